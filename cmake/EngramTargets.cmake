@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 The Engram authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# The only three ways to make a target in this project.
+
+# Settings that every target of ours gets, and no target of others sees.
+function(engram_target_defaults target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
+  if(ENGRAM_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(ENGRAM_SANITIZE)
+    target_compile_options(${target} PUBLIC -fsanitize=${ENGRAM_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${ENGRAM_SANITIZE})
+  endif()
+endfunction()
+
+# engram_library(NAME SOURCES a.cpp … [PUBLIC libs …] [PRIVATE libs …]): the static library engram::NAME of libs/NAME.
+function(engram_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(engram_${name} STATIC ${ARG_SOURCES})
+  add_library(engram::${name} ALIAS engram_${name})
+  engram_target_defaults(engram_${name})
+  target_include_directories(engram_${name} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/include
+                                            PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
+  target_link_libraries(engram_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+endfunction()
+
+# engram_program(NAME SOURCES main.cpp … LIBS libs …): the program engram-NAME.
+function(engram_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS" ${ARGN})
+  add_executable(engram-${name} ${ARG_SOURCES})
+  engram_target_defaults(engram-${name})
+  target_link_libraries(engram-${name} PRIVATE ${ARG_LIBS})
+  set_target_properties(engram-${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+  install(TARGETS engram-${name} RUNTIME DESTINATION bin)
+endfunction()
+
+# engram_test(NAME SOURCES a_test.cpp … LIBS libs … [LABELS l …] [TIMEOUT s]): one GoogleTest binary, one ctest entry.
+function(engram_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${name}_test ${ARG_SOURCES})
+  engram_target_defaults(${name}_test)
+  target_link_libraries(${name}_test PRIVATE ${ARG_LIBS} GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name}_test PRIVATE
+    ENGRAM_SOURCE_DIR="${PROJECT_SOURCE_DIR}" ENGRAM_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
+  add_test(NAME ${name} COMMAND ${name}_test)
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+endfunction()

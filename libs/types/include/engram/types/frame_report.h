@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engram/base/ids.h"
+
+namespace engram::types {
+
+/// What became of one image.
+enum class Outcome : std::uint8_t {
+  kSkipped,     ///< not a keyframe: the robot has not moved, or the view is nearly the last one
+  kUnusable,    ///< no or too few features
+  kNewPlace,    ///< a place was added
+  kRecognised,  ///< accepted at a known place
+  kRefused,     ///< recognition refused: see `reason`; nothing was learnt from this image
+};
+
+const char* toString(Outcome outcome);
+
+/// One answer of recognition.
+struct Hypothesis {
+  base::PlaceId place;
+  double similarity = 0.0;  ///< F eq (8), in [0, 1]
+  double posterior = 0.0;   ///< probability after this image
+  int inliers = -1;         ///< after geometric verification; -1 where none was run
+};
+
+/// What the memory of one place gained and lost.
+struct MemoryChange {
+  int rehearsed = 0, added = 0, pruned = 0, promoted = 0, demoted = 0;
+  int longTerm = 0, shortTerm = 0;  ///< sizes afterwards
+};
+
+/// The record of one image: every step's decision. One line of the report file.
+struct FrameReport {
+  std::uint64_t index = 0;  ///< Frame::index
+  double stamp = 0.0;       ///< [s]
+  std::string label;
+  Outcome outcome = Outcome::kSkipped;
+  std::string reason;       ///< why not, in words; empty when all went well
+  int features = 0;
+  base::PlaceId place;      ///< the place accepted or made; invalid otherwise
+  base::PlaceId bestGuess;  ///< maximum of the posterior, accepted or not; invalid on an empty map
+  double bestGuessInterpolated = -1.0;  ///< sub-place peak along the map's chain of places (F-E14); -1 without one
+  double newPlaceProbability = 0.0;
+  std::vector<Hypothesis> hypotheses;   ///< best first
+  bool closure = false;                 ///< a loop edge was added
+  MemoryChange memory;
+  struct StepTime {
+    std::string step;
+    double milliseconds = 0.0;
+  };
+  std::vector<StepTime> times;  ///< wall time of each step, in order
+  double milliseconds = 0.0;    ///< wall time of the whole image
+};
+
+}  // namespace engram::types

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/types/frame_report.h"
+
+namespace engram::types {
+
+const char* toString(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kSkipped: return "skipped";
+    case Outcome::kUnusable: return "unusable";
+    case Outcome::kNewPlace: return "new_place";
+    case Outcome::kRecognised: return "recognised";
+    case Outcome::kRefused: return "refused";
+  }
+  return "?";
+}
+
+}  // namespace engram::types
