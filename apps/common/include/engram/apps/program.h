@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <iosfwd>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "engram/base/config.h"
+
+namespace engram::apps {
+
+/// Exit codes of all programs.
+enum ExitCode : int {
+  kOk = 0,
+  kError = 1,    ///< bad input or a failure; nothing useful was made
+  kUsage = 2,    ///< the command line cannot be understood
+  kPartial = 3,  ///< stopped early (Ctrl-C, damaged input); what was done is kept
+};
+
+/// A program as a class: main() is `return runProgram(program, argc, argv);`, and tests call it with their own streams.
+class Program {
+ public:
+  virtual ~Program() = default;
+  virtual std::string name() const = 0;
+  virtual std::string description() const = 0;
+  virtual std::string examples() const = 0;
+  /// Declares options; called once before parsing.
+  virtual void declare(CLI::App& app) = 0;
+  /// Does the work. `out` takes results, `err` progress and messages. Throws base::Error on bad input.
+  virtual int run(std::ostream& out, std::ostream& err) = 0;
+};
+
+/// Parses, runs, and turns exceptions into a message and an exit code.
+int runProgram(Program& program, int argc, const char* const* argv);
+int runProgram(Program& program, const std::vector<std::string>& arguments, std::ostream& out, std::ostream& err);
+
+/// The options of every program that has a configuration.
+struct ConfigOptions {
+  std::string file;
+  std::vector<std::string> overrides;  ///< section.key=value
+  bool dump = false;
+
+  void declare(CLI::App& app);
+  /// Reads the file and the overrides into the structs bound to `config`. True when --dump-config asked to print
+  /// and stop; it has been printed to `out` then.
+  bool apply(base::Config& config, std::ostream& out) const;
+};
+
+/// Writes `content` to a temporary file beside `path` and renames it: readers see all of it or nothing.
+void writeFileAtomically(const std::string& path, const std::string& content);
+
+/// --json FILE; does nothing with an empty path.
+void writeJson(const std::string& path, const nlohmann::json& figures);
+
+/// Largest resident memory of this process so far [byte].
+std::uint64_t peakResidentBytes();
+
+}  // namespace engram::apps

@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/apps/program.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "engram/base/error.h"
+#include "engram/base/interrupt.h"
+
+namespace engram::apps {
+
+int runProgram(Program& program, const std::vector<std::string>& arguments, std::ostream& out, std::ostream& err) {
+  CLI::App app(program.description(), program.name());
+  app.footer("Examples:\n" + program.examples() +
+             "\nExit codes: 0 ok, 1 error, 2 usage, 3 stopped early, what was done is kept.");
+  program.declare(app);
+  try {
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+    app.parse(reversed);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e, out, err) == 0 ? kOk : kUsage;
+  }
+  try {
+    return program.run(out, err);
+  } catch (const std::exception& e) {
+    err << program.name() << ": " << e.what() << "\n";
+    return kError;
+  }
+}
+
+int runProgram(Program& program, int argc, const char* const* argv) {
+  base::installInterruptHandler();
+  return runProgram(program, std::vector<std::string>(argv + 1, argv + argc), std::cout, std::cerr);
+}
+
+void ConfigOptions::declare(CLI::App& app) {
+  app.add_option("config", file, "Configuration (.ini); see the folder config/")->required();
+  app.add_option("--set", overrides, "Override one key: section.key=value (repeatable)")
+      ->take_all()
+      ->allow_extra_args(false);
+  app.add_flag("--dump-config", dump, "Print every key in force with its meaning, and stop");
+}
+
+bool ConfigOptions::apply(base::Config& config, std::ostream& out) const {
+  base::IniFile ini = base::IniFile::load(file);
+  for (const auto& assignment : overrides) ini.override(assignment);
+  config.read(ini);
+  if (dump) out << config.dump();
+  return dump;
+}
+
+void writeFileAtomically(const std::string& path, const std::string& content) {
+  const std::string temporary = path + ".partial";
+  {
+    std::ofstream file(temporary, std::ios::binary);
+    file << content;
+    file.flush();
+    if (!file) {
+      const std::string why = std::strerror(errno);
+      std::remove(temporary.c_str());
+      throw base::Error(path + ": cannot be written (" + why + ")");
+    }
+  }
+  if (std::rename(temporary.c_str(), path.c_str()) != 0)
+    throw base::Error(path + ": cannot be written (" + std::strerror(errno) + ")");
+}
+
+void writeJson(const std::string& path, const nlohmann::json& figures) {
+  if (!path.empty()) writeFileAtomically(path, figures.dump(2) + "\n");
+}
+
+std::uint64_t peakResidentBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024u;
+}
+
+}  // namespace engram::apps
