@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/base/ids.h"
+#include "engram/memory/place_memory.h"
+#include "engram/types/features.h"
+#include "engram/types/rel_pose.h"
+
+#include <Eigen/Geometry>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace engram::map {
+
+using base::EdgeId;
+using base::PlaceId;
+using base::ViewId;
+
+/// What a map was made with. A program whose own values differ must not use the map.
+struct MapHeader {
+  std::string engramVersion;
+  std::string camera;     ///< Camera::toText()
+  std::string extractor;  ///< `surf`, `akaze`, …
+  types::DescriptorKind descriptorKind = types::DescriptorKind::kInt8;
+  int descriptorDim = 0;    ///< components or bits
+  std::string memoryModel;  ///< `fsh`, `static`, …
+  std::string parameters;   ///< Config::dump() of the program that made the map
+  double firstStamp = 0;  ///< [s] stamp of the first image; no wall clock, so that equal runs give equal maps
+  bool operator==(const MapHeader&) const = default;
+};
+
+/// A place of the topological map: one node.
+struct Place {
+  PlaceId id;
+  Eigen::Isometry3d T_map_place = Eigen::Isometry3d::Identity();  ///< pose of the robot at the reference view
+  memory::PlaceMemory memory;
+  double createdStamp = 0;         ///< [s]
+  std::uint64_t createdIndex = 0;  ///< Frame::index
+  std::string createdLabel;
+  int session = 0;  ///< drive in which it was made, from 0
+  std::optional<Eigen::Isometry3d>
+      T_world_place;  ///< surveyed pose, for evaluation only: no step may read it
+};
+
+/// An image that was taken at a place.
+struct View {
+  ViewId id{};
+  PlaceId place{};
+  double stamp = 0;              ///< [s]
+  std::uint64_t frameIndex = 0;  ///< Frame::index
+  std::string label{};
+  int session = 0;
+  std::vector<std::uint8_t> jpeg{};  ///< thumbnail; empty when none is kept
+};
+
+enum class EdgeType : std::uint8_t {
+  kOdometry,     ///< between places met one after the other
+  kLoop,         ///< verified closure within a session
+  kRecognition,  ///< verified match between sessions
+  kWeak,  ///< joins a disjoint sequence; its pose is a guess and no metric search goes through it (K-11,
+          ///< K-E14)
+  kCompounded,  ///< replaces a chain of removed places (K-12)
+};
+
+const char* toString(EdgeType type);
+
+/// A relative pose between two places, with the features that it was found by.
+struct Edge {
+  EdgeId id{};
+  EdgeType type = EdgeType::kOdometry;
+  PlaceId a{}, b{};
+  types::RelPose T_a_b{};  ///< pose of b seen from a, with covariance (K-E1)
+  /// Corresponding features (F-05): FeatureState::id at a, at b.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> correspondences{};
+};
+
+/// One keyframe of the robot's path, tied to a place so that the path bends with the map.
+struct PathPoint {
+  int session = 0;
+  double stamp = 0;  ///< [s]
+  PlaceId anchor{};
+  Eigen::Isometry3d T_anchor_robot = Eigen::Isometry3d::Identity();
+};
+
+/// Everything in a map, as a value: what the store reads and writes. Keys equal the ids of the values.
+struct MapContent {
+  std::map<PlaceId, Place> places;
+  std::map<ViewId, View> views;
+  std::map<EdgeId, Edge> edges;
+  std::vector<PathPoint> path;
+  std::uint32_t nextPlace = 0, nextView = 0, nextEdge = 0;  ///< ids are never reused
+};
+
+/// Broken rules of a place, an edge, … in words; empty when all is well. Ends and ids are checked by
+/// brokenRules().
+std::string brokenRule(const Place& place);
+std::string brokenRule(const Edge& edge);
+
+/// Every broken rule of the whole map, one sentence each.
+std::vector<std::string> brokenRules(const MapContent& content);
+
+}  // namespace engram::map

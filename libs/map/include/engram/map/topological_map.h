@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/map/map_content.h"
+#include "engram/memory/place_memory.h"
+#include "engram/types/frame_report.h"
+#include "engram/types/match.h"
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace engram::map {
+
+/// Ids of what changed since the last takeChanges(): what the store must write. Ascending, without
+/// duplicates.
+struct MapChanges {
+  std::vector<PlaceId> places;    ///< new, moved or surveyed
+  std::vector<PlaceId> memories;  ///< new or updated
+  std::vector<ViewId> views;      ///< new
+  std::vector<EdgeId> edges;      ///< new, or correspondences dropped
+  std::vector<EdgeId> removedEdges;
+  std::size_t firstNewPathPoint = 0;  ///< path points from here on are new
+  std::size_t pathSize = 0;           ///< path points in all
+  bool empty() const;
+};
+
+struct Neighbour {
+  PlaceId place;
+  EdgeId edge;
+  EdgeType type = EdgeType::kOdometry;
+};
+
+/// The sole owner of places, views, edges, memory and path. Every change is a method that keeps the
+/// invariants; reading is by const reference only. Bad arguments throw base::Error and change nothing.
+class TopologicalMap {
+ public:
+  TopologicalMap() = default;
+  /// A map read from a file. Throws base::Error with the first broken rule.
+  explicit TopologicalMap(MapContent content);
+
+  /// The id of the argument is ignored; the new one is returned.
+  PlaceId addPlace(Place place);
+  ViewId addView(View view);
+  /// Needs known ends, a != b, a finite pose and a symmetric positive definite covariance. Correspondences
+  /// that name features no longer remembered are dropped.
+  EdgeId addEdge(Edge edge);
+  void removeEdge(EdgeId id);
+  void addPathPoint(const PathPoint& point);
+
+  void setPose(PlaceId id, const Eigen::Isometry3d& T_map_place);
+  void setPoses(const std::map<PlaceId, Eigen::Isometry3d>& T_map_place);
+  /// Keeps the true pose of a place, for evaluation.
+  void survey(PlaceId id, const Eigen::Isometry3d& T_world_place);
+
+  /// The place learns from a verified view. Correspondences of its edges that name forgotten features are
+  /// dropped.
+  /// @param matches verified and one-to-one: a = feature of `view`, b = feature of the place's memory.
+  types::MemoryChange remember(PlaceId id, const memory::MemoryModel& model, const types::Features& view,
+                               std::span<const types::Match> matches);
+
+  const std::map<PlaceId, Place>& places() const { return content_.places; }
+  const std::map<ViewId, View>& views() const { return content_.views; }
+  const std::map<EdgeId, Edge>& edges() const { return content_.edges; }
+  const std::vector<PathPoint>& path() const { return content_.path; }
+  const MapContent& content() const { return content_; }
+  bool empty() const { return content_.places.empty(); }
+  /// Throw base::Error for an unknown id.
+  const Place& place(PlaceId id) const;
+  const Edge& edge(EdgeId id) const;
+  /// Pose of the robot at a path point, in the map frame.
+  Eigen::Isometry3d T_map_robot(const PathPoint& point) const;
+  /// One more than the largest session number of any place, view or path point; 0 for an empty map.
+  int nextSession() const;
+
+  /// Places joined to this one by an edge, in the order of the edge ids.
+  std::vector<Neighbour> neighbours(PlaceId id) const;
+  /// Number of edges to every place within `maxHops` of `from` (0 for itself). Weak edges do not count unless
+  /// asked.
+  std::map<PlaceId, int> hopDistances(PlaceId from, int maxHops, bool throughWeak = false) const;
+  /// Places that edges connect, weak ones included: ascending groups, ordered by their first place.
+  std::vector<std::vector<PlaceId>> components() const;
+
+  /// Throws base::Error with the first broken rule.
+  void checkInvariants() const;
+
+  /// Hands over the list of changes and starts a new one.
+  MapChanges takeChanges();
+
+ private:
+  Place& mutablePlace(PlaceId id);
+  void dropForgotten(PlaceId id);
+
+  MapContent content_;
+  std::map<PlaceId, std::vector<EdgeId>> incident_;  // ascending, as edge ids only grow
+  MapChanges changes_;                               // unsorted, with duplicates until taken
+};
+
+}  // namespace engram::map

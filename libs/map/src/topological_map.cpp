@@ -1,0 +1,232 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/map/topological_map.h"
+
+#include "engram/base/error.h"
+
+#include <algorithm>
+#include <deque>
+#include <set>
+#include <tuple>
+
+namespace engram::map {
+namespace {
+
+template <class Id>
+void sortUnique(std::vector<Id>& ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
+std::string ends(const Edge& edge) {
+  return "edge from place " + std::to_string(edge.a.value) + " to place " + std::to_string(edge.b.value);
+}
+
+}  // namespace
+
+bool MapChanges::empty() const {
+  return places.empty() && memories.empty() && views.empty() && edges.empty() && removedEdges.empty() &&
+         firstNewPathPoint == pathSize;
+}
+
+TopologicalMap::TopologicalMap(MapContent content) : content_(std::move(content)) {
+  checkInvariants();
+  for (const auto& [id, edge] : content_.edges) {
+    incident_[edge.a].push_back(id);
+    incident_[edge.b].push_back(id);
+  }
+  changes_.firstNewPathPoint = content_.path.size();
+}
+
+PlaceId TopologicalMap::addPlace(Place place) {
+  if (const std::string rule = brokenRule(place); !rule.empty())
+    throw base::Error("cannot add the place made from image '" + place.createdLabel + "': " + rule);
+  place.id = PlaceId(content_.nextPlace++);
+  const PlaceId id = place.id;
+  content_.places.emplace(id, std::move(place));
+  changes_.places.push_back(id);
+  changes_.memories.push_back(id);
+  return id;
+}
+
+ViewId TopologicalMap::addView(View view) {
+  place(view.place);  // throws when unknown
+  view.id = ViewId(content_.nextView++);
+  const ViewId id = view.id;
+  content_.views.emplace(id, std::move(view));
+  changes_.views.push_back(id);
+  return id;
+}
+
+EdgeId TopologicalMap::addEdge(Edge edge) {
+  if (!content_.places.contains(edge.a) || !content_.places.contains(edge.b))
+    throw base::Error(ends(edge) + ": no such place in the map");
+  if (const std::string rule = brokenRule(edge); !rule.empty()) throw base::Error(ends(edge) + ": " + rule);
+  edge.id = EdgeId(content_.nextEdge++);
+  const EdgeId id = edge.id;
+  const PlaceId a = edge.a, b = edge.b;
+  content_.edges.emplace(id, std::move(edge));
+  incident_[a].push_back(id);
+  incident_[b].push_back(id);
+  changes_.edges.push_back(id);
+  if (!content_.edges.at(id).correspondences.empty()) {
+    dropForgotten(a);
+    dropForgotten(b);
+  }
+  return id;
+}
+
+void TopologicalMap::removeEdge(EdgeId id) {
+  const Edge& gone = edge(id);
+  std::erase(incident_[gone.a], id);
+  std::erase(incident_[gone.b], id);
+  content_.edges.erase(id);
+  changes_.removedEdges.push_back(id);
+}
+
+void TopologicalMap::addPathPoint(const PathPoint& point) {
+  place(point.anchor);  // throws when unknown
+  if (!point.T_anchor_robot.matrix().allFinite())
+    throw base::Error("the path cannot take a pose that is not finite");
+  content_.path.push_back(point);
+}
+
+void TopologicalMap::setPose(PlaceId id, const Eigen::Isometry3d& T_map_place) {
+  setPoses({{id, T_map_place}});
+}
+
+void TopologicalMap::setPoses(const std::map<PlaceId, Eigen::Isometry3d>& T_map_place) {
+  for (const auto& [id, T] : T_map_place) {
+    Place moved;
+    moved.T_map_place = T;
+    if (const std::string rule = brokenRule(moved); !rule.empty())
+      throw base::Error("cannot move place " + std::to_string(id.value) + ": " + rule);
+    place(id);  // throws when unknown, before anything has changed
+  }
+  for (const auto& [id, T] : T_map_place) {
+    Place& target = mutablePlace(id);
+    if (target.T_map_place.matrix() == T.matrix()) continue;
+    target.T_map_place = T;
+    changes_.places.push_back(id);
+  }
+}
+
+void TopologicalMap::survey(PlaceId id, const Eigen::Isometry3d& T_world_place) {
+  Place surveyed;
+  surveyed.T_map_place = T_world_place;
+  if (const std::string rule = brokenRule(surveyed); !rule.empty())
+    throw base::Error("cannot survey place " + std::to_string(id.value) + ": " + rule);
+  mutablePlace(id).T_world_place = T_world_place;
+  changes_.places.push_back(id);
+}
+
+types::MemoryChange TopologicalMap::remember(PlaceId id, const memory::MemoryModel& model,
+                                             const types::Features& view,
+                                             std::span<const types::Match> matches) {
+  Place& target = mutablePlace(id);
+  const types::MemoryChange change = model.update(target.memory, view, matches);
+  changes_.memories.push_back(id);
+  dropForgotten(id);
+  return change;
+}
+
+void TopologicalMap::dropForgotten(PlaceId id) {
+  const auto& edges = incident_[id];
+  if (edges.empty()) return;
+  std::set<std::uint32_t> known;
+  for (const auto& state : content_.places.at(id).memory.states) known.insert(state.id);
+  for (const EdgeId edgeId : edges) {
+    Edge& edge = content_.edges.at(edgeId);
+    const bool isA = edge.a == id;
+    const auto gone = std::erase_if(edge.correspondences, [&](const auto& pair) {
+      return !known.contains(isA ? pair.first : pair.second);
+    });
+    if (gone > 0) changes_.edges.push_back(edgeId);
+  }
+}
+
+Place& TopologicalMap::mutablePlace(PlaceId id) { return const_cast<Place&>(place(id)); }
+
+const Place& TopologicalMap::place(PlaceId id) const {
+  const auto it = content_.places.find(id);
+  if (it == content_.places.end()) throw base::Error("the map has no place " + std::to_string(id.value));
+  return it->second;
+}
+
+const Edge& TopologicalMap::edge(EdgeId id) const {
+  const auto it = content_.edges.find(id);
+  if (it == content_.edges.end()) throw base::Error("the map has no edge " + std::to_string(id.value));
+  return it->second;
+}
+
+Eigen::Isometry3d TopologicalMap::T_map_robot(const PathPoint& point) const {
+  return place(point.anchor).T_map_place * point.T_anchor_robot;
+}
+
+int TopologicalMap::nextSession() const {
+  int last = -1;
+  for (const auto& [id, place] : content_.places) last = std::max(last, place.session);
+  for (const auto& [id, view] : content_.views) last = std::max(last, view.session);
+  for (const auto& point : content_.path) last = std::max(last, point.session);
+  return last + 1;
+}
+
+std::vector<Neighbour> TopologicalMap::neighbours(PlaceId id) const {
+  place(id);  // throws when unknown
+  std::vector<Neighbour> out;
+  const auto it = incident_.find(id);
+  if (it == incident_.end()) return out;
+  for (const EdgeId edgeId : it->second) {
+    const Edge& e = content_.edges.at(edgeId);
+    out.push_back({e.a == id ? e.b : e.a, edgeId, e.type});
+  }
+  return out;
+}
+
+std::map<PlaceId, int> TopologicalMap::hopDistances(PlaceId from, int maxHops, bool throughWeak) const {
+  std::map<PlaceId, int> hops{{place(from).id, 0}};
+  std::deque<PlaceId> queue{from};
+  for (; !queue.empty(); queue.pop_front()) {
+    const int next = hops.at(queue.front()) + 1;
+    if (next > maxHops) break;
+    for (const Neighbour& n : neighbours(queue.front()))
+      if ((throughWeak || n.type != EdgeType::kWeak) && hops.emplace(n.place, next).second)
+        queue.push_back(n.place);
+  }
+  return hops;
+}
+
+std::vector<std::vector<PlaceId>> TopologicalMap::components() const {
+  std::vector<std::vector<PlaceId>> groups;
+  std::set<PlaceId> seen;
+  for (const auto& [id, unused] : content_.places) {
+    if (seen.contains(id)) continue;
+    auto& group = groups.emplace_back();
+    for (const auto& [member, hops] : hopDistances(id, static_cast<int>(content_.places.size()), true)) {
+      group.push_back(member);
+      seen.insert(member);
+    }
+  }
+  return groups;
+}
+
+void TopologicalMap::checkInvariants() const {
+  const auto broken = brokenRules(content_);
+  if (!broken.empty()) throw base::Error("the map is not consistent: " + broken.front());
+}
+
+MapChanges TopologicalMap::takeChanges() {
+  sortUnique(changes_.places);
+  sortUnique(changes_.memories);
+  sortUnique(changes_.views);
+  sortUnique(changes_.edges);
+  sortUnique(changes_.removedEdges);
+  std::erase_if(changes_.edges, [&](EdgeId id) { return !content_.edges.contains(id); });
+  changes_.pathSize = content_.path.size();
+  MapChanges taken;
+  taken.firstNewPathPoint = content_.path.size();
+  std::swap(taken, changes_);
+  return taken;
+}
+
+}  // namespace engram::map
