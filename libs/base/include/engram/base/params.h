@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "engram/base/error.h"
+
 namespace engram::base {
 
 /// Closed interval of legal values.
@@ -56,7 +58,13 @@ void validate(const T& params) {
   T copy = params;
   Params list;
   copy.describe(list);
-  for (const auto& field : list.fields()) field.check();
+  for (const auto& field : list.fields()) {
+    try {
+      field.check();
+    } catch (const ConfigError& e) {
+      throw ConfigError(field.key + ": " + e.what());
+    }
+  }
 }
 
 }  // namespace engram::base

@@ -1,0 +1,280 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/memory/fsh.h"
+
+#include "checks.h"
+#include "engram/base/error.h"
+#include "near_duplicates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace engram::memory {
+namespace {
+
+using types::Features;
+using types::Match;
+using types::MemoryChange;
+
+float largestValue(const PlaceMemory& memory) {
+  float largest = 0;
+  for (const auto& state : memory.states) largest = std::max(largest, state.value);
+  return largest;
+}
+
+void ageAll(PlaceMemory& memory, double decay) {
+  for (auto& state : memory.states) {
+    if (state.age < std::numeric_limits<std::uint16_t>::max()) ++state.age;
+    state.value = static_cast<float>(state.value * decay);
+  }
+  ++memory.updates;
+}
+
+/// F eq (2). Every matched feature is rehearsed, not only those in long-term memory (F-E3).
+void rehearse(PlaceMemory& memory, const Features& view, std::span<const Match> matches,
+              const FshParams& params) {
+  const auto votes = rehearsalVotes(matches, params);
+  for (std::size_t k = 0; k < matches.size(); ++k) {
+    const auto b = static_cast<std::size_t>(matches[k].b);
+    auto& state = memory.states[b];
+    state.value = static_cast<float>(state.value + votes[k]);
+    if (params.keep_descriptor == "newest") {
+      // Only the descriptor: keypoint and bearing stay those of the view that made the feature.
+      const auto row = view.descriptors.row(static_cast<std::size_t>(matches[k].a));
+      std::copy(row.begin(), row.end(), memory.features.descriptors.mutableRow(b));
+    }
+  }
+}
+
+/// F eq (3), F-E4. Near-duplicates are looked for among the features known before this view, so that the
+/// order of the view does not matter. They are dropped: a second copy would make both fail the ratio test for
+/// ever.
+int insertUnmatched(PlaceMemory& memory, const Features& view, std::span<const Match> matches,
+                    const FshParams& params) {
+  std::vector<bool> matched(view.size());
+  for (const auto& match : matches) matched[static_cast<std::size_t>(match.a)] = true;
+  const auto votes = insertionVotes(view.keypoints, params);
+  const types::Descriptors known = memory.features.descriptors;
+  int added = 0;
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    if (matched[i] || hasNearDuplicate(known, view.descriptors, i, params.duplicate_distance)) continue;
+    memory.features.append(view, i);
+    FeatureState state;
+    state.id = memory.nextFeatureId++;
+    state.value = static_cast<float>(votes[i]);
+    memory.states.push_back(std::move(state));
+    ++added;
+  }
+  return added;
+}
+
+int keepOnly(PlaceMemory& memory, const std::vector<bool>& keep) {
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    if (keep[i]) kept.push_back(static_cast<int>(i));
+  const int removed = static_cast<int>(keep.size() - kept.size());
+  if (removed == 0) return 0;
+  std::vector<FeatureState> states;
+  states.reserve(kept.size());
+  for (const int i : kept) states.push_back(std::move(memory.states[static_cast<std::size_t>(i)]));
+  memory.features = memory.features.subset(kept);
+  memory.states = std::move(states);
+  return removed;
+}
+
+/// F eq (4) on raw votes, with the age of each feature (F-E5). In units of the nominal vote v the bound is
+/// 1/max, that is v^2/max in votes. Where max < 1 it would exceed every value; so it never reaches into what
+/// the threshold makes long-term (F-E6). Long-term features are never pruned, and by their floor the place
+/// never empties.
+void markPruned(const PlaceMemory& memory, const FshParams& params, std::vector<bool>& keep) {
+  const double largest = largestValue(memory);
+  if (largest <= 0) return;
+  const double bound = std::min(params.vote * params.vote / largest, params.ltm_threshold * largest);
+  for (std::size_t i = 0; i < memory.states.size(); ++i) {
+    const auto& state = memory.states[i];
+    if (state.stage == Stage::kShortTerm && state.age >= params.prune_view && state.value < bound)
+      keep[i] = false;
+  }
+}
+
+/// The cap. Short-term features go first, those with the fewest votes per update since they came; of equal
+/// ones the oldest. By the bare value a full memory would admit nothing new; by age first, the clutter of one
+/// crowded view would drive out what is on its way to long-term memory.
+void markExcess(const PlaceMemory& memory, const FshParams& params, std::vector<bool>& keep) {
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    if (keep[i]) left.push_back(i);
+  if (left.size() <= static_cast<std::size_t>(params.max_features)) return;
+  const auto rate = [](const FeatureState& s) { return static_cast<double>(s.value) / (1.0 + s.age); };
+  const auto goesFirst = [&](std::size_t i, std::size_t j) {
+    const auto &a = memory.states[i], &b = memory.states[j];
+    if (a.stage != b.stage) return a.stage == Stage::kShortTerm;
+    if (a.stage == Stage::kLongTerm && a.value != b.value) return a.value < b.value;
+    return rate(a) != rate(b) ? rate(a) < rate(b) : a.id < b.id;
+  };
+  std::sort(left.begin(), left.end(), goesFirst);
+  left.resize(left.size() - static_cast<std::size_t>(params.max_features));
+  for (const std::size_t i : left) keep[i] = false;
+}
+
+int prune(PlaceMemory& memory, const FshParams& params) {
+  std::vector<bool> keep(memory.states.size(), true);
+  markPruned(memory, params, keep);
+  markExcess(memory, params, keep);
+  return keepOnly(memory, keep);
+}
+
+/// The FSH divided by its maximum (F-E9).
+std::vector<float> normalised(const PlaceMemory& memory) {
+  const float largest = largestValue(memory);
+  std::vector<float> fsh;
+  fsh.reserve(memory.states.size());
+  for (const auto& state : memory.states) fsh.push_back(largest > 0 ? state.value / largest : 1.0f);
+  return fsh;
+}
+
+/// F-15 with the floor of F-E10: the threshold is lowered to the value of the K-th best feature where it must
+/// be. Features equal to that one are long-term too, so that the result does not depend on their order.
+void classify(PlaceMemory& memory, const std::vector<float>& fsh, const FshParams& params,
+              MemoryChange& change) {
+  auto threshold = static_cast<float>(params.ltm_threshold);
+  const auto floorSize = static_cast<std::size_t>(params.ltm_min_features);
+  if (fsh.size() <= floorSize) {
+    threshold = 0;
+  } else if (floorSize > 0) {
+    auto sorted = fsh;
+    const auto kth = sorted.begin() + static_cast<std::ptrdiff_t>(floorSize) - 1;
+    std::nth_element(sorted.begin(), kth, sorted.end(), std::greater<>());
+    threshold = std::min(threshold, *kth);
+  }
+  change.longTerm = change.shortTerm = 0;
+  for (std::size_t i = 0; i < fsh.size(); ++i) {
+    auto& stage = memory.states[i].stage;
+    const Stage now = fsh[i] >= threshold ? Stage::kLongTerm : Stage::kShortTerm;
+    change.promoted += stage == Stage::kShortTerm && now == Stage::kLongTerm;
+    change.demoted += stage == Stage::kLongTerm && now == Stage::kShortTerm;
+    stage = now;
+    ++(now == Stage::kLongTerm ? change.longTerm : change.shortTerm);
+  }
+}
+
+/// rfsh of F-04.
+void record(PlaceMemory& memory, const std::vector<float>& fsh, int length) {
+  for (std::size_t i = 0; i < fsh.size(); ++i) {
+    auto& history = memory.states[i].history;
+    history.push_back(static_cast<std::uint8_t>(std::lround(255.0f * fsh[i])));
+    const auto excess = static_cast<std::ptrdiff_t>(history.size()) - length;
+    if (excess > 0) history.erase(history.begin(), history.begin() + excess);
+  }
+}
+
+/// F-16: prune, normalise, classify.
+void settle(PlaceMemory& memory, const FshParams& params, MemoryChange& change) {
+  change.pruned = prune(memory, params);
+  const auto fsh = normalised(memory);
+  classify(memory, fsh, params, change);
+  record(memory, fsh, params.history_length);
+}
+
+}  // namespace
+
+void FshParams::describe(base::Params& p) {
+  p.add("vote", vote, "nominal vote v of F eq (2), (3)", {1e-3, 1e3});
+  p.add("ltm_threshold", ltm_threshold, "normalised FSH value from which a feature is long-term", {0, 1});
+  p.add("prune_view", prune_view, "updates a feature is given before it can be pruned", {1, 1000});
+  p.addChoice("vote_variance", vote_variance, "sigma_m^2 of F eq (2), see F-E7",
+              {"second_moment", "literal", "fixed"});
+  p.add("fixed_sigma", fixed_sigma, "sigma_m for vote_variance = fixed [descriptor distance]", {1e-6, 10});
+  p.addChoice("new_vote", new_vote, "norm that divides the response of a new feature, F eq (3)",
+              {"max", "l2"});
+  p.add("ltm_min_features", ltm_min_features,
+        "at least so many features are long-term, where there are so many", {1, 100000});
+  p.add("max_features", max_features, "cap on the features of a place", {1, 100000});
+  p.addChoice("keep_descriptor", keep_descriptor, "descriptor of a re-observed feature", {"old", "newest"});
+  p.add("history_length", history_length, "FSH values kept for each feature", {0, 10000});
+  p.add("duplicate_distance", duplicate_distance,
+        "a new feature nearer than this to a known one is not inserted; 0 inserts all [descriptor distance]",
+        {0, 2});
+  p.add("decay", decay, "factor on all votes before each update; 1 never forgets, as the paper", {0.5, 1});
+}
+
+std::vector<double> rehearsalVotes(std::span<const Match> matches, const FshParams& params) {
+  double sum = 0, squares = 0;
+  for (const auto& match : matches) {
+    sum += match.distance;
+    squares += static_cast<double>(match.distance) * match.distance;
+  }
+  const double n = std::max<double>(1, static_cast<double>(matches.size()));
+  const double moment = squares / n;
+  double variance = moment;
+  if (params.vote_variance == "fixed") variance = params.fixed_sigma * params.fixed_sigma;
+  if (params.vote_variance == "literal") {
+    variance = 0;
+    for (const auto& match : matches) variance += (match.distance - sum / n) * (match.distance - sum / n) / n;
+    // One match, or all equal: the variance says nothing (F-E7).
+    if (variance < 1e-12) variance = moment;
+  }
+  std::vector<double> votes;
+  votes.reserve(matches.size());
+  for (const auto& match : matches) {
+    const double squared = static_cast<double>(match.distance) * match.distance;
+    votes.push_back(variance > 0 ? params.vote * std::exp(-squared / variance) : params.vote);
+  }
+  return votes;
+}
+
+std::vector<double> insertionVotes(std::span<const types::Keypoint> keypoints, const FshParams& params) {
+  double largest = 0, squares = 0;
+  for (const auto& keypoint : keypoints) {
+    const double response = std::abs(static_cast<double>(keypoint.response));
+    largest = std::max(largest, response);
+    squares += response * response;
+  }
+  const double norm = params.new_vote == "l2" ? std::sqrt(squares) : largest;
+  std::vector<double> votes;
+  votes.reserve(keypoints.size());
+  for (const auto& keypoint : keypoints) {
+    const double response = std::abs(static_cast<double>(keypoint.response));
+    // A detector without responses: all are equally strong.
+    votes.push_back(norm > 0 ? params.vote * response / norm : params.vote);
+  }
+  return votes;
+}
+
+Fsh::Fsh(FshParams params) : params_(std::move(params)) {
+  base::validate(params_);
+  if (params_.ltm_min_features > params_.max_features)
+    throw base::ConfigError("[fsh] ltm_min_features = " + std::to_string(params_.ltm_min_features) +
+                            " must not exceed max_features = " + std::to_string(params_.max_features));
+}
+
+PlaceMemory Fsh::start(const Features& view) const {
+  checkView(view);
+  PlaceMemory memory;
+  memory.features.descriptors =
+      types::quantised(types::Descriptors(view.descriptors.kind(), view.descriptors.dim()));
+  Features stored = view;
+  stored.descriptors = types::quantised(view.descriptors);
+  MemoryChange change;
+  insertUnmatched(memory, stored, {}, params_);
+  memory.updates = 1;
+  settle(memory, params_, change);
+  return memory;
+}
+
+MemoryChange Fsh::update(PlaceMemory& memory, const Features& view, std::span<const Match> matches) const {
+  checkUpdate(memory, view, matches);
+  Features stored = view;
+  stored.descriptors = types::quantised(view.descriptors);
+  MemoryChange change;
+  ageAll(memory, params_.decay);
+  rehearse(memory, stored, matches, params_);
+  change.rehearsed = static_cast<int>(matches.size());
+  change.added = insertUnmatched(memory, stored, matches, params_);
+  settle(memory, params_, change);
+  return change;
+}
+
+}  // namespace engram::memory
