@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/base/error.h"
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace engram::store {
+
+static_assert(std::endian::native == std::endian::little, "the map format is little-endian");
+
+using Blob = std::vector<std::uint8_t>;
+
+/// What a row is; a part of its checksum.
+enum class RowKind : std::uint8_t {
+  kState = 'S',
+  kPlace = 'P',
+  kMemory = 'M',
+  kView = 'V',
+  kEdge = 'E',
+  kPath = 'T'
+};
+
+/// CRC-32 of zlib.
+std::uint32_t crc32Of(std::span<const std::uint8_t> bytes);
+std::uint32_t crc32Of(const std::string& text);
+
+/// Builds a row: kind, version, fields, checksum.
+class BlobWriter {
+ public:
+  BlobWriter(RowKind kind, std::uint8_t version) {
+    put(static_cast<std::uint8_t>(kind));
+    put(version);
+  }
+
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void put(T value) { raw(&value, sizeof value); }
+  void raw(const void* data, std::size_t size) {
+    const std::size_t old = bytes_.size();
+    bytes_.resize(old + size);
+    if (size > 0) std::memcpy(bytes_.data() + old, data, size);
+  }
+  void text(const std::string& s) {
+    varint(s.size());
+    raw(s.data(), s.size());
+  }
+  void varint(std::uint64_t value);
+
+  /// Appends the checksum over the content and the key of the row, so that swapped rows are found too.
+  Blob seal(std::uint64_t rowId) &&;
+
+ private:
+  Blob bytes_;
+};
+
+/// Reads a sealed row. Every method throws base::Error rather than read beyond the end.
+class BlobReader {
+ public:
+  /// Checks kind, version and checksum.
+  BlobReader(std::span<const std::uint8_t> sealed, RowKind kind, std::uint8_t newestVersion,
+             std::uint64_t rowId);
+
+  template <class T>
+  requires std::is_arithmetic_v<T> T get() {
+    T value;
+    raw(&value, sizeof value);
+    return value;
+  }
+  void raw(void* data, std::size_t size);
+  std::string text();
+  std::uint64_t varint();
+  /// A number of items that take at least `itemBytes` each: refused when the row is too short for them.
+  std::size_t count(std::size_t itemBytes);
+  /// Throws unless so many bytes are left: call it before an allocation.
+  void require(std::size_t size) const;
+  void requireEnd() const;
+
+ private:
+  std::span<const std::uint8_t> rest_;
+};
+
+}  // namespace engram::store

@@ -1,0 +1,247 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "codec.h"
+
+#include <algorithm>
+
+namespace engram::store {
+namespace {
+
+constexpr std::uint8_t kVersion = 1;  // of every kind of row
+
+void putPose(BlobWriter& out, const Eigen::Isometry3d& T) {
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) out.put(T.matrix()(r, c));
+}
+
+Eigen::Isometry3d getPose(BlobReader& in) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) T.matrix()(r, c) = in.get<double>();
+  return T;
+}
+
+/// One field of all items after another.
+template <class Items, class Get>
+void putColumn(BlobWriter& out, const Items& items, Get&& get) {
+  for (const auto& item : items) out.put(get(item));
+}
+
+template <class T, class Items, class Set>
+void getColumn(BlobReader& in, Items& items, Set&& set) {
+  for (auto& item : items) set(item, in.get<T>());
+}
+
+void putFeatures(BlobWriter& out, const types::Features& f) {
+  using types::Keypoint;
+  putColumn(out, f.keypoints, [](const Keypoint& k) { return k.x; });
+  putColumn(out, f.keypoints, [](const Keypoint& k) { return k.y; });
+  putColumn(out, f.keypoints, [](const Keypoint& k) { return k.size; });
+  putColumn(out, f.keypoints, [](const Keypoint& k) { return k.angle; });
+  putColumn(out, f.keypoints, [](const Keypoint& k) { return k.response; });
+  putColumn(out, f.keypoints, [](const Keypoint& k) { return k.sign; });
+  out.put(static_cast<std::uint8_t>(f.descriptors.kind()));
+  out.varint(static_cast<std::uint64_t>(f.descriptors.dim()));
+  out.raw(f.descriptors.bytes().data(), f.descriptors.bytes().size());
+  out.put(static_cast<std::uint8_t>(f.bearings.empty() ? 0 : 1));
+  for (int axis = 0; axis < 3; ++axis)
+    putColumn(out, f.bearings, [axis](const Eigen::Vector3f& b) { return b[axis]; });
+}
+
+types::Features getFeatures(BlobReader& in, std::size_t n) {
+  using types::Keypoint;
+  types::Features f;
+  f.keypoints.resize(n);
+  getColumn<float>(in, f.keypoints, [](Keypoint& k, float v) { k.x = v; });
+  getColumn<float>(in, f.keypoints, [](Keypoint& k, float v) { k.y = v; });
+  getColumn<float>(in, f.keypoints, [](Keypoint& k, float v) { k.size = v; });
+  getColumn<float>(in, f.keypoints, [](Keypoint& k, float v) { k.angle = v; });
+  getColumn<float>(in, f.keypoints, [](Keypoint& k, float v) { k.response = v; });
+  getColumn<std::int8_t>(in, f.keypoints, [](Keypoint& k, std::int8_t v) { k.sign = v; });
+  const auto kind = in.get<std::uint8_t>();
+  const auto dim = in.varint();
+  if (kind > static_cast<std::uint8_t>(types::DescriptorKind::kBinary) || dim > 65536)
+    throw base::Error("its descriptors are of an unknown kind");
+  f.descriptors = types::Descriptors(static_cast<types::DescriptorKind>(kind), static_cast<int>(dim));
+  in.require(n * f.descriptors.rowBytes());
+  f.descriptors.resize(n);
+  for (std::size_t i = 0; i < n; ++i) in.raw(f.descriptors.mutableRow(i), f.descriptors.rowBytes());
+  if (in.get<std::uint8_t>() != 0) f.bearings.resize(n);
+  for (int axis = 0; axis < 3; ++axis)
+    getColumn<float>(in, f.bearings, [axis](Eigen::Vector3f& b, float v) { b[axis] = v; });
+  return f;
+}
+
+}  // namespace
+
+Blob encode(const MapState& s) {
+  BlobWriter out(RowKind::kState, kVersion);
+  for (const std::uint32_t v : {s.nextPlace, s.nextView, s.nextEdge}) out.put(v);
+  for (const std::uint64_t v : {s.commits, s.places, s.views, s.edges, s.path, s.records}) out.put(v);
+  return std::move(out).seal(0);
+}
+
+MapState decodeState(std::span<const std::uint8_t> row) {
+  BlobReader in(row, RowKind::kState, kVersion, 0);
+  MapState s;
+  for (std::uint32_t* v : {&s.nextPlace, &s.nextView, &s.nextEdge}) *v = in.get<std::uint32_t>();
+  for (std::uint64_t* v : {&s.commits, &s.places, &s.views, &s.edges, &s.path, &s.records})
+    *v = in.get<std::uint64_t>();
+  in.requireEnd();
+  return s;
+}
+
+Blob encode(const map::Place& place) {
+  BlobWriter out(RowKind::kPlace, kVersion);
+  putPose(out, place.T_map_place);
+  out.put(place.createdStamp);
+  out.varint(place.createdIndex);
+  out.text(place.createdLabel);
+  out.put(static_cast<std::int32_t>(place.session));
+  out.put(static_cast<std::uint8_t>(place.T_world_place ? 1 : 0));
+  if (place.T_world_place) putPose(out, *place.T_world_place);
+  return std::move(out).seal(place.id.value);
+}
+
+map::Place decodePlace(std::span<const std::uint8_t> row, std::uint64_t id) {
+  BlobReader in(row, RowKind::kPlace, kVersion, id);
+  map::Place place;
+  place.id = map::PlaceId(static_cast<std::uint32_t>(id));
+  place.T_map_place = getPose(in);
+  place.createdStamp = in.get<double>();
+  place.createdIndex = in.varint();
+  place.createdLabel = in.text();
+  place.session = in.get<std::int32_t>();
+  if (in.get<std::uint8_t>() != 0) place.T_world_place = getPose(in);
+  in.requireEnd();
+  return place;
+}
+
+Blob encodeMemory(map::PlaceId id, const memory::PlaceMemory& m) {
+  using memory::FeatureState;
+  BlobWriter out(RowKind::kMemory, kVersion);
+  out.varint(m.states.size());
+  out.put(m.updates);
+  out.put(m.nextFeatureId);
+  putColumn(out, m.states, [](const FeatureState& s) { return s.id; });
+  putColumn(out, m.states, [](const FeatureState& s) { return s.value; });
+  putColumn(out, m.states, [](const FeatureState& s) { return s.age; });
+  putColumn(out, m.states, [](const FeatureState& s) { return static_cast<std::uint8_t>(s.stage); });
+  for (const FeatureState& s : m.states) out.varint(s.counter);
+  for (const FeatureState& s : m.states) out.varint(s.history.size());
+  for (const FeatureState& s : m.states) out.raw(s.history.data(), s.history.size());
+  putFeatures(out, m.features);
+  return std::move(out).seal(id.value);
+}
+
+memory::PlaceMemory decodeMemory(std::span<const std::uint8_t> row, std::uint64_t id) {
+  using memory::FeatureState;
+  BlobReader in(row, RowKind::kMemory, kVersion, id);
+  memory::PlaceMemory m;
+  const std::size_t n =
+      in.count(32);  // a feature takes more than that: no huge allocation for a false number
+  m.updates = in.get<std::uint32_t>();
+  m.nextFeatureId = in.get<std::uint32_t>();
+  m.states.resize(n);
+  getColumn<std::uint32_t>(in, m.states, [](FeatureState& s, std::uint32_t v) { s.id = v; });
+  getColumn<float>(in, m.states, [](FeatureState& s, float v) { s.value = v; });
+  getColumn<std::uint16_t>(in, m.states, [](FeatureState& s, std::uint16_t v) { s.age = v; });
+  getColumn<std::uint8_t>(in, m.states, [](FeatureState& s, std::uint8_t v) {
+    if (v > static_cast<std::uint8_t>(memory::Stage::kLongTerm))
+      throw base::Error("a feature is in an unknown stage");
+    s.stage = static_cast<memory::Stage>(v);
+  });
+  for (FeatureState& s : m.states) s.counter = static_cast<std::uint16_t>(in.varint());
+  for (FeatureState& s : m.states) s.history.resize(in.count(1));
+  for (FeatureState& s : m.states) in.raw(s.history.data(), s.history.size());
+  m.features = getFeatures(in, n);
+  in.requireEnd();
+  return m;
+}
+
+Blob encode(const map::View& view) {
+  BlobWriter out(RowKind::kView, kVersion);
+  out.put(view.place.value);
+  out.put(view.stamp);
+  out.varint(view.frameIndex);
+  out.text(view.label);
+  out.put(static_cast<std::int32_t>(view.session));
+  out.varint(view.jpeg.size());
+  out.raw(view.jpeg.data(), view.jpeg.size());
+  return std::move(out).seal(view.id.value);
+}
+
+map::View decodeView(std::span<const std::uint8_t> row, std::uint64_t id) {
+  BlobReader in(row, RowKind::kView, kVersion, id);
+  map::View view;
+  view.id = map::ViewId(static_cast<std::uint32_t>(id));
+  view.place = map::PlaceId(in.get<std::uint32_t>());
+  view.stamp = in.get<double>();
+  view.frameIndex = in.varint();
+  view.label = in.text();
+  view.session = in.get<std::int32_t>();
+  view.jpeg.resize(in.count(1));
+  in.raw(view.jpeg.data(), view.jpeg.size());
+  in.requireEnd();
+  return view;
+}
+
+Blob encode(const map::Edge& edge) {
+  BlobWriter out(RowKind::kEdge, kVersion);
+  out.put(static_cast<std::uint8_t>(edge.type));
+  out.put(edge.a.value);
+  out.put(edge.b.value);
+  putPose(out, edge.T_a_b.T_a_b);
+  out.raw(edge.T_a_b.cov.data(), sizeof(double) * 36);
+  out.put(static_cast<std::uint8_t>(edge.T_a_b.hasScale ? 1 : 0));
+  out.varint(edge.correspondences.size());
+  for (const auto& [a, b] : edge.correspondences) {
+    out.varint(a);
+    out.varint(b);
+  }
+  return std::move(out).seal(edge.id.value);
+}
+
+map::Edge decodeEdge(std::span<const std::uint8_t> row, std::uint64_t id) {
+  BlobReader in(row, RowKind::kEdge, kVersion, id);
+  map::Edge edge;
+  edge.id = map::EdgeId(static_cast<std::uint32_t>(id));
+  const auto type = in.get<std::uint8_t>();
+  if (type > static_cast<std::uint8_t>(map::EdgeType::kCompounded))
+    throw base::Error("it is of an unknown type");
+  edge.type = static_cast<map::EdgeType>(type);
+  edge.a = map::PlaceId(in.get<std::uint32_t>());
+  edge.b = map::PlaceId(in.get<std::uint32_t>());
+  edge.T_a_b.T_a_b = getPose(in);
+  in.raw(edge.T_a_b.cov.data(), sizeof(double) * 36);
+  edge.T_a_b.hasScale = in.get<std::uint8_t>() != 0;
+  edge.correspondences.resize(in.count(2));
+  for (auto& [a, b] : edge.correspondences) {
+    a = static_cast<std::uint32_t>(in.varint());
+    b = static_cast<std::uint32_t>(in.varint());
+  }
+  in.requireEnd();
+  return edge;
+}
+
+Blob encode(const map::PathPoint& point, std::uint64_t row) {
+  BlobWriter out(RowKind::kPath, kVersion);
+  out.put(static_cast<std::int32_t>(point.session));
+  out.put(point.stamp);
+  out.put(point.anchor.value);
+  putPose(out, point.T_anchor_robot);
+  return std::move(out).seal(row);
+}
+
+map::PathPoint decodePathPoint(std::span<const std::uint8_t> row, std::uint64_t index) {
+  BlobReader in(row, RowKind::kPath, kVersion, index);
+  map::PathPoint point;
+  point.session = in.get<std::int32_t>();
+  point.stamp = in.get<double>();
+  point.anchor = map::PlaceId(in.get<std::uint32_t>());
+  point.T_anchor_robot = getPose(in);
+  in.requireEnd();
+  return point;
+}
+
+}  // namespace engram::store

@@ -1,0 +1,187 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "database.h"
+
+#include "engram/base/error.h"
+
+#include <sqlite3.h>
+
+#include <cctype>
+#include <cstring>
+#include <filesystem>
+
+namespace engram::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Other programs may hold the file for the time of one commit.
+constexpr int kBusyTimeoutMs = 5000;
+/// No row is larger; bounds what a damaged length can make us allocate.
+constexpr int kMaxRowBytes = 256 << 20;
+
+std::string percentEncoded(const std::string& path) {
+  static const char* const kHex = "0123456789ABCDEF";
+  std::string out;
+  for (const char c : path) {
+    const auto u = static_cast<unsigned char>(c);
+    if (std::isalnum(u) || std::strchr("/._-", c) != nullptr)
+      out += c;
+    else
+      (out += '%').append({kHex[u >> 4], kHex[u & 15]});
+  }
+  return out;
+}
+
+std::string explanation(int code, int systemError) {
+  const std::string system = systemError != 0 ? std::string(" (") + std::strerror(systemError) + ")" : "";
+  switch (code & 0xff) {
+    case SQLITE_FULL:
+      return "the disk is full. Free some space; what was committed before is safe";
+    case SQLITE_IOERR:
+      return "the disk cannot be read or written" + system + ". What was committed before is safe";
+    case SQLITE_READONLY:
+      if (code == SQLITE_READONLY_ROLLBACK || code == SQLITE_READONLY_RECOVERY)
+        return "its writer was interrupted and it must be repaired first. Run 'engram-map check' on it in a "
+               "folder that "
+               "can be written";
+      return "it cannot be written: the file or its folder is read-only";
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+      return "it cannot be opened" + system + ". Does its folder exist, and may you read and write there?";
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return "another program is writing it. Wait until it has ended";
+    case SQLITE_NOTADB:
+      return "it is not an Engram map";
+    default:
+      return "it is damaged. Use a copy of it, or build the map again";
+  }
+}
+
+}  // namespace
+
+Statement::Statement(Database& database, const char* sql) : database_(database) {
+  const int code = sqlite3_prepare_v2(database.handle(), sql, -1, &statement_, nullptr);
+  if (code != SQLITE_OK) database.fail(code);
+}
+
+Statement::~Statement() { sqlite3_finalize(statement_); }
+
+Statement& Statement::bind(int position, std::uint64_t value) {
+  const int code = sqlite3_bind_int64(statement_, position, static_cast<sqlite3_int64>(value));
+  if (code != SQLITE_OK) database_.fail(code);
+  return *this;
+}
+
+Statement& Statement::bind(int position, const Blob& value) {
+  const int code = sqlite3_bind_blob64(statement_, position, value.data(), value.size(), SQLITE_STATIC);
+  if (code != SQLITE_OK) database_.fail(code);
+  return *this;
+}
+
+Statement& Statement::bind(int position, const std::string& value) {
+  const int code =
+      sqlite3_bind_text64(statement_, position, value.data(), value.size(), SQLITE_STATIC, SQLITE_UTF8);
+  if (code != SQLITE_OK) database_.fail(code);
+  return *this;
+}
+
+bool Statement::step() {
+  const int code = sqlite3_step(statement_);
+  if (code == SQLITE_ROW) return true;
+  if (code != SQLITE_DONE) database_.fail(code);
+  return false;
+}
+
+void Statement::run() {
+  while (step()) {
+  }
+  sqlite3_reset(statement_);
+}
+
+std::int64_t Statement::integer(int column) const { return sqlite3_column_int64(statement_, column); }
+
+std::span<const std::uint8_t> Statement::blob(int column) const {
+  const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_, column));
+  const int size = sqlite3_column_bytes(statement_, column);
+  return {data, data == nullptr ? 0u : static_cast<std::size_t>(size)};
+}
+
+std::string Statement::text(int column) const {
+  const auto bytes = blob(column);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Database::Database(const std::string& path, Mode mode) : path_(path) {
+  // An absolute path: ':memory:' and 'file:x' are then plain file names.
+  const std::string file = fs::absolute(path).string();
+  if (mode == Mode::kReadOnly) {
+    try {
+      connect(file, SQLITE_OPEN_READONLY);
+    } catch (const base::Error&) {
+      // A map whose writer was killed can be read on a read-only medium too, if its log was folded in by a
+      // copy.
+      if (fs::exists(file + "-wal") || fs::exists(file + "-journal")) throw;
+      connect("file:" + percentEncoded(file) + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+    }
+    return;
+  }
+  connect(file, SQLITE_OPEN_READWRITE | (mode == Mode::kCreate ? SQLITE_OPEN_CREATE : 0));
+  // The log makes a commit cheap and safe when the process is killed; FULL makes it safe when the power
+  // fails.
+  execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
+}
+
+void Database::connect(const std::string& file, int flags) {
+  int code = sqlite3_open_v2(file.c_str(), &handle_, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  if (code == SQLITE_OK) {
+    sqlite3_extended_result_codes(handle_, 1);
+    sqlite3_busy_timeout(handle_, kBusyTimeoutMs);
+    sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, kMaxRowBytes);
+    sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    code = sqlite3_exec(handle_,
+                        "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA application_id;"
+                        "SELECT count(*) FROM sqlite_master;",
+                        nullptr, nullptr, nullptr);
+  }
+  if (code == SQLITE_OK) return;
+  const std::string why = explanation(code, sqlite3_system_errno(handle_));
+  sqlite3_close(handle_);
+  handle_ = nullptr;
+  throw base::Error("map '" + path_ + "': " + why);
+}
+
+Database::~Database() { sqlite3_close(handle_); }
+
+void Database::execute(const char* sql) {
+  const int code = sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) fail(code);
+}
+
+std::int64_t Database::number(const char* sql) {
+  Statement statement(*this, sql);
+  if (!statement.step()) throw base::Error("map '" + path_ + "': it is damaged");
+  return statement.integer(0);
+}
+
+void Database::fail(int code) const {
+  const int extended = sqlite3_extended_errcode(handle_);
+  const bool same = (extended & 0xff) == (code & 0xff);
+  throw base::Error("map '" + path_ +
+                    "': " + explanation(same ? extended : code, same ? sqlite3_system_errno(handle_) : 0));
+}
+
+Transaction::Transaction(Database& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }
+
+Transaction::~Transaction() {
+  // SQLite may have rolled back by itself, after which this fails without harm.
+  if (open_) sqlite3_exec(database_.handle(), "ROLLBACK", nullptr, nullptr, nullptr);
+}
+
+void Transaction::commit() {
+  database_.execute("COMMIT");
+  open_ = false;
+}
+
+}  // namespace engram::store

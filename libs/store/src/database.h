@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "blob.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace engram::store {
+
+class Database;
+
+/// A prepared statement. Positions count from 1 for bind(), from 0 for columns, as in SQLite.
+class Statement {
+ public:
+  Statement(Database& database, const char* sql);
+  ~Statement();
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  Statement& bind(int position, std::uint64_t value);
+  Statement& bind(int position, const Blob& value);         ///< kept until step()
+  Statement& bind(int position, const std::string& value);  ///< kept until step()
+  /// True while there is a row.
+  bool step();
+  /// Executes once and makes ready for the next bind().
+  void run();
+
+  std::int64_t integer(int column) const;
+  std::span<const std::uint8_t> blob(int column) const;  ///< valid until the next step()
+  std::string text(int column) const;
+
+ private:
+  Database& database_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+/// A connection to one SQLite file. Errors become base::Error with the path and what to do.
+class Database {
+ public:
+  enum class Mode { kCreate, kReadWrite, kReadOnly };
+  Database(const std::string& path, Mode mode);
+  ~Database();
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  void execute(const char* sql);
+  std::int64_t number(const char* sql);
+  const std::string& path() const { return path_; }
+  sqlite3* handle() const { return handle_; }
+
+  /// Throws what the last SQLite call failed with.
+  [[noreturn]] void fail(int code) const;
+
+ private:
+  void connect(const std::string& file, int flags);
+
+  std::string path_;
+  sqlite3* handle_ = nullptr;
+};
+
+/// Begins a writing transaction and rolls it back unless commit() was called.
+class Transaction {
+ public:
+  explicit Transaction(Database& database);
+  ~Transaction();
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+  void commit();
+
+ private:
+  Database& database_;
+  bool open_ = true;
+};
+
+}  // namespace engram::store

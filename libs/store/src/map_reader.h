@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "codec.h"
+#include "database.h"
+#include "engram/map/map_content.h"
+#include "engram/types/frame_report.h"
+
+#include <string>
+#include <vector>
+
+namespace engram::store {
+
+/// Reads a map file and checks all of it. Without a list of problems the first one is thrown as base::Error;
+/// with one, every problem is added to it and the damaged item left out.
+class MapReader {
+ public:
+  explicit MapReader(Database& database, std::vector<std::string>* problems = nullptr)
+      : database_(database), problems_(problems) {}
+
+  MapState state();
+  map::MapHeader header();
+  map::MapContent content();
+  std::vector<types::FrameReport> records();
+
+ private:
+  template <class Read>
+  void forEachRow(const char* sql, const std::string& what, std::uint64_t expected, Read&& read);
+  void problem(const std::string& what);
+
+  Database& database_;
+  std::vector<std::string>* problems_;
+};
+
+}  // namespace engram::store

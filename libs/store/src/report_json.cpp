@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/store/report_json.h"
+
+#include "engram/base/error.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <limits>
+
+namespace engram::store {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using types::FrameReport;
+using types::Outcome;
+
+Json idToJson(base::PlaceId id) { return id.valid() ? Json(id.value) : Json(nullptr); }
+
+base::PlaceId idFromJson(const Json& j, const char* key) {
+  const auto it = j.find(key);
+  return it == j.end() || it->is_null() ? base::PlaceId() : base::PlaceId(it->get<std::uint32_t>());
+}
+
+template <class T>
+void read(const Json& j, const char* key, T& value) {
+  const auto it = j.find(key);
+  if (it == j.end()) return;
+  if constexpr (std::is_floating_point_v<T>)
+    value = it->is_null() ? std::numeric_limits<T>::quiet_NaN() : it->get<T>();
+  else
+    value = it->get<T>();
+}
+
+Outcome outcomeFrom(const std::string& name) {
+  for (const Outcome o :
+       {Outcome::kSkipped, Outcome::kUnusable, Outcome::kNewPlace, Outcome::kRecognised, Outcome::kRefused})
+    if (name == types::toString(o)) return o;
+  throw base::Error("unknown outcome '" + name + "' in a frame record");
+}
+
+Json memoryToJson(const types::MemoryChange& m) {
+  return {{"rehearsed", m.rehearsed}, {"added", m.added},     {"pruned", m.pruned},
+          {"promoted", m.promoted},   {"demoted", m.demoted}, {"long_term", m.longTerm},
+          {"short_term", m.shortTerm}};
+}
+
+FrameReport decode(const Json& j) {
+  FrameReport r;
+  read(j, "index", r.index);
+  read(j, "stamp", r.stamp);
+  read(j, "label", r.label);
+  if (j.contains("outcome")) r.outcome = outcomeFrom(j.at("outcome").get<std::string>());
+  read(j, "reason", r.reason);
+  read(j, "features", r.features);
+  r.place = idFromJson(j, "place");
+  r.bestGuess = idFromJson(j, "best_guess");
+  read(j, "best_guess_interpolated", r.bestGuessInterpolated);
+  read(j, "new_place_probability", r.newPlaceProbability);
+  for (const Json& h : j.value("hypotheses", Json::array())) {
+    auto& out = r.hypotheses.emplace_back();
+    out.place = idFromJson(h, "place");
+    read(h, "similarity", out.similarity);
+    read(h, "posterior", out.posterior);
+    read(h, "inliers", out.inliers);
+  }
+  read(j, "closure", r.closure);
+  const Json m = j.value("memory", Json::object());
+  read(m, "rehearsed", r.memory.rehearsed);
+  read(m, "added", r.memory.added);
+  read(m, "pruned", r.memory.pruned);
+  read(m, "promoted", r.memory.promoted);
+  read(m, "demoted", r.memory.demoted);
+  read(m, "long_term", r.memory.longTerm);
+  read(m, "short_term", r.memory.shortTerm);
+  const Json times = j.value("times", Json::object());
+  for (const auto& [step, ms] : times.items()) r.times.push_back({step, ms.get<double>()});
+  read(j, "ms", r.milliseconds);
+  return r;
+}
+
+}  // namespace
+
+std::string toJson(const FrameReport& r, bool withTimes) {
+  Json j = {{"index", r.index},
+            {"stamp", r.stamp},
+            {"label", r.label},
+            {"outcome", types::toString(r.outcome)},
+            {"reason", r.reason},
+            {"features", r.features},
+            {"place", idToJson(r.place)},
+            {"best_guess", idToJson(r.bestGuess)},
+            {"best_guess_interpolated", r.bestGuessInterpolated},
+            {"new_place_probability", r.newPlaceProbability}};
+  j["hypotheses"] = Json::array();
+  for (const auto& h : r.hypotheses)
+    j["hypotheses"].push_back({{"place", idToJson(h.place)},
+                               {"similarity", h.similarity},
+                               {"posterior", h.posterior},
+                               {"inliers", h.inliers}});
+  j["closure"] = r.closure;
+  j["memory"] = memoryToJson(r.memory);
+  if (withTimes) {
+    j["times"] = Json::object();
+    for (const auto& t : r.times) j["times"][t.step] = t.milliseconds;
+    j["ms"] = r.milliseconds;
+  }
+  return j.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+FrameReport reportFromJson(const std::string& line) {
+  try {
+    const Json j = Json::parse(line);
+    if (!j.is_object()) throw base::Error("a frame record is not a JSON object");
+    return decode(j);
+  } catch (const Json::exception& e) {
+    throw base::Error(std::string("a frame record is not valid: ") + e.what());
+  }
+}
+
+}  // namespace engram::store
