@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/belief/adjacency.h"
+#include "engram/belief/belief_params.h"
+#include "engram/belief/likelihood.h"
+
+#include <optional>
+#include <vector>
+
+namespace engram::belief {
+
+/// Probabilities of all places and of the new-place state; they sum to 1.
+struct Belief {
+  std::vector<double> places;
+  double newPlace = 0.0;  ///< always 0 without that state
+};
+
+/// What is known of the motion since the last image.
+struct MotionHint {
+  std::optional<double> hops;  ///< distance travelled over the mean distance of neighbouring places, >= 0
+};
+
+/// Discrete Bayes filter over the places of a map, F eq (5), (6); A eq (10).
+///
+/// For each image: predict(), then update() once for each independent observation. Without the new-place
+/// state it localises in a frozen map; with it, it decides between the map and somewhere else.
+///
+/// With `advance = learned` the state is the place and the last step along the chain of places. A step is
+/// like the one before, or drawn from a distribution of steps that is learnt as it goes: expected counts
+/// under the posterior, with forgetting (online EM). It begins symmetric, so a robot that never moves on, or
+/// backwards, is served as well.
+class BayesFilter {
+ public:
+  /// Throws base::ConfigError naming the key.
+  BayesFilter(BeliefParams params, bool hasNewPlace);
+
+  /// Forgets everything: all places equal (F-17, A-15), the new place at its prior (1 on an empty map).
+  void reset(std::size_t places);
+
+  /// Adds places at the end. They share `massOfAdded`, taken from all others in proportion, but first from
+  /// the new-place state: what was somewhere else is now there.
+  void grow(std::size_t places, double massOfAdded);
+
+  /// p(x_t | z_1..t-1). `adjacency` must have as many places as the filter.
+  void predict(const Adjacency& adjacency, const MotionHint& hint = {});
+
+  /// p(x_t | z_1..t). False, and nothing changes, when the likelihood excludes everything that is believed
+  /// possible. Throws std::invalid_argument for values that are negative or not finite, or of the wrong
+  /// number.
+  bool update(const Likelihood& likelihood);
+
+  const Belief& posterior() const { return belief_; }
+
+  /// The most probable place, the first of equal ones; -1 on an empty map. The new place does not compete.
+  int best() const;
+
+  /// Sum of the posterior over the places within `hops` of `place`.
+  double neighbourhoodMass(const Adjacency& adjacency, int place, int hops) const;
+
+  /// Sub-place estimate (F-E14): `place` plus the posterior-weighted mean of -1, 0, +1 for its predecessor,
+  /// itself and its successor. A number along the chain, within half a place of it when `place` is the best
+  /// one.
+  double interpolatedPeak(const Adjacency& adjacency, int place) const;
+
+  /// Learnt probabilities of the steps -advance_max .. +advance_max; empty with `advance = none`.
+  const std::vector<double>& stepProbabilities() const { return steps_; }
+
+  const BeliefParams& params() const { return params_; }
+
+ private:
+  using Layers = std::vector<std::vector<double>>;  ///< one vector over places for each step
+
+  void learnSteps();
+  Layers chooseSteps(const MotionHint& hint) const;
+  void moveBlindly(const Adjacency& adjacency, const std::vector<double>& from, const MotionHint& hint,
+                   Layers& to) const;
+  void spread(Layers& to, double mass) const;
+  void setJoint(Layers joint, double newPlace);
+
+  BeliefParams params_;
+  bool hasNewPlace_;
+  bool stepped_ = false;
+  std::vector<double> blindSteps_, steps_, learnt_;
+  Layers joint_;  ///< p(place, step); one layer when nothing is learnt
+  Belief belief_;
+};
+
+}  // namespace engram::belief

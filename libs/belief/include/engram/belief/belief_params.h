@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/base/params.h"
+
+#include <string>
+
+namespace engram::belief {
+
+/// Section `[belief]`.
+struct BeliefParams {
+  // Motion, F eq (7) with the reading of F-E2.
+  double sigma_hops = 2.0;      ///< [hops] of the Gaussian on graph distance
+  double expected_hops = 0.0;   ///< centre of that Gaussian; 1 puts more mass on the neighbours, as A-16
+  double sigma_odometry = 0.7;  ///< [hops] the same when the distance travelled is known
+  int hop_radius = 6;           ///< cut of the Gaussian
+  double teleport = 0.01;       ///< share of the belief spread over all places: recovery from a wrong belief
+
+  // The new-place state of SLAM mode.
+  double new_place_prior = 0.1;        ///< probability that a step leads to a place not in the map
+  double new_place_persistence = 0.9;  ///< probability that the step after it does so again
+  double new_place_similarity = 0.25;  ///< similarity that an unknown place would show
+
+  // Sensor, F eq (9) to (11) with the readings of F-E1 and F-E12; A-E11.
+  std::string likelihood = "gaussian";
+  double sigma_z = 0.0;          ///< similarity; 0 takes the standard deviation over the map, as the paper
+  double sigma_z_min = 0.05;     ///< lower bound of that
+  bool sum_of_gaussians = true;  ///< F eq (10), (11)
+  double peak_sigma = 1.0;       ///< [hops] sigma_l of F eq (11)
+  double floor = 0.01;           ///< smallest likelihood relative to the largest
+
+  // Acceptance, A-18.
+  double accept_threshold = 0.8;  ///< on the sum over the neighbourhood (A-19)
+  int accept_hops = 1;            ///< size of that neighbourhood
+
+  // Advance along the chain of places, learnt from the belief itself.
+  std::string advance = "none";
+  int advance_max = 3;               ///< [places/image] largest step that is learnt, either way
+  double advance_persistence = 0.7;  ///< probability that a step is like the one before
+  double advance_blind = 0.2;        ///< share that moves by the Gaussian on hops all the same
+  double advance_forgetting = 0.9;   ///< weight of the past in the learnt distribution, per image
+
+  void describe(base::Params& p);
+};
+
+}  // namespace engram::belief

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/belief/adjacency.h"
+#include "engram/belief/belief_params.h"
+
+#include <span>
+#include <vector>
+
+namespace engram::belief {
+
+/// p(z | place) up to a common factor; the largest is 1, none is below BeliefParams::floor.
+struct Likelihood {
+  std::vector<double> places;
+  double newPlace = 0.0;  ///< of the new-place state; without meaning where there is none
+};
+
+/// The sensor model from similarities in [0, 1], one a place.
+///
+/// F eq (9) falls with the similarity as printed; read as a Gaussian of 1 - s (default) or exp(+s /
+/// sigma_z^2): see F-E1. With `sum_of_gaussians` it is F eq (10), (11): Gaussians in node space on the peaks
+/// of s within sigma_z of the maximum, weighted by the peak: see F-E12. The new place counts as one more
+/// place, far from all others, with the similarity `new_place_similarity`. `angeli` is A-E11, which has its
+/// own rule for it. Throws std::invalid_argument when a similarity is outside [0, 1] or their number is not
+/// that of the places.
+Likelihood likelihood(std::span<const double> similarities, const Adjacency& adjacency,
+                      const BeliefParams& params);
+
+/// sigma_z of F eq (9), (10): as given, or the standard deviation of the similarity over the map.
+double similaritySpread(std::span<const double> similarities, const BeliefParams& params);
+
+}  // namespace engram::belief

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/belief/belief_params.h"
+
+namespace engram::belief {
+
+void BeliefParams::describe(base::Params& p) {
+  p.add("sigma_hops", sigma_hops, "Gaussian of the motion model on graph distance [hops]", {0.05, 100});
+  p.add("expected_hops", expected_hops,
+        "its centre; 1 gives the neighbours more than the place itself [hops]", {0, 10});
+  p.add("sigma_odometry", sigma_odometry, "the same where the distance travelled is known [hops]",
+        {0.05, 100});
+  p.add("hop_radius", hop_radius, "the motion model ends there [hops]", {1, 100});
+  p.add("teleport", teleport, "share of the belief spread over all places at each image", {0, 1});
+  p.add("new_place_prior", new_place_prior, "probability that the next image shows a place not in the map",
+        {0, 1});
+  p.add("new_place_persistence", new_place_persistence, "the same after an image that did", {0, 1});
+  p.add("new_place_similarity", new_place_similarity, "similarity that an unknown place would show", {0, 1});
+  p.addChoice("likelihood", likelihood,
+              "sensor model: F eq (9) read as a Gaussian of 1 - s or as exp(+s), or A-E11",
+              {"gaussian", "exponential", "angeli"});
+  p.add("sigma_z", sigma_z, "spread of the similarity in F eq (9), (10); 0 takes it from the map", {0, 10});
+  p.add("sigma_z_min", sigma_z_min, "lower bound of the spread taken from the map", {1e-4, 10});
+  p.add("sum_of_gaussians", sum_of_gaussians, "F eq (10), (11): Gaussians on the peaks of the similarity");
+  p.add("peak_sigma", peak_sigma, "sigma_l of F eq (11) [hops]", {0.05, 100});
+  p.add("floor", floor, "smallest likelihood, relative to the largest", {1e-12, 1});
+  p.add("accept_threshold", accept_threshold, "smallest belief in a neighbourhood that is accepted", {0, 1});
+  p.add("accept_hops", accept_hops, "radius of that neighbourhood [hops]", {0, 100});
+  p.addChoice("advance", advance, "whether the motion along the chain of places is learnt from the belief",
+              {"none", "learned"});
+  p.add("advance_max", advance_max, "largest step that is learnt, either way [places/image]", {1, 20});
+  p.add("advance_persistence", advance_persistence, "probability that a step is like the one before", {0, 1});
+  p.add("advance_blind", advance_blind, "share that moves by the Gaussian on hops all the same", {0.001, 1});
+  p.add("advance_forgetting", advance_forgetting, "weight of the past in the learnt steps, per image",
+        {0, 0.9999});
+}
+
+}  // namespace engram::belief
