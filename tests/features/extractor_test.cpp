@@ -208,7 +208,7 @@ TEST_P(EveryExtractor, AngleTurnsWithTheImage) {
   EXPECT_GT(agree, 0.7 * pairs);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EveryExtractor, testing::Values("akaze", "orb", "sift"),
+INSTANTIATE_TEST_SUITE_P(All, EveryExtractor, testing::Values("surf", "akaze", "orb", "sift"),
                          [](const auto& param_info) { return std::string(param_info.param); });
 
 TEST(MakeExtractor, NamesABadValue) {

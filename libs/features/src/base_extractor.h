@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/features/extractor.h"
+#include "integral_image.h"
 
 #include <opencv2/core.hpp>
 
@@ -28,6 +29,7 @@ class BaseExtractor : public Extractor {
     std::vector<types::Keypoint> keypoints;
     std::vector<cv::KeyPoint> raw;
     cv::Mat descriptors;
+    std::shared_ptr<const IntegralImage> integral;
   };
 
   /// @param thresholdFactor scales the strategy's threshold; 1 at first.

@@ -14,7 +14,7 @@ namespace engram::features {
 
 /// How features are extracted: section `[extractor]`.
 struct ExtractorParams {
-  std::string extractor = "akaze";
+  std::string extractor = "surf";
   int max_features = 600;
   int min_features = 200;
   int retries = 3;
@@ -22,6 +22,9 @@ struct ExtractorParams {
   double mask_margin = 0.75;
   bool upright = false;
 
+  double surf_threshold = 5e-5;
+  int surf_octaves = 4;
+  int surf_step = 1;
   double akaze_threshold = 0.001;
   double sift_contrast = 0.04;
   bool sift_root = true;
