@@ -3,6 +3,8 @@
 #include "engram/map/topological_map.h"
 
 #include "engram/base/error.h"
+#include "engram/map/graph.h"
+#include "engram/posegraph/relaxer.h"
 #include "sample_map.h"
 
 #include <gmock/gmock.h>
@@ -225,6 +227,23 @@ TEST(TopologicalMap, PathBendsWithThePlaces) {
   m.setPose(p(1), planarPose(5, 1, M_PI / 2));
   const Eigen::Vector3d at = m.T_map_robot(m.path().back()).translation();
   EXPECT_NEAR((at - Eigen::Vector3d(5, 3, 0)).norm(), 0, 1e-12);
+}
+
+/// A ring whose places were pushed about is round again after a relaxation of its graph.
+TEST(TopologicalMap, GraphRelaxesBackToTheRing) {
+  auto m = ringMap(8);
+  const MapContent truth = m.content();
+  base::Rng rng(5);
+  for (std::uint32_t i = 1; i < 8; ++i)
+    m.setPose(p(i),
+              m.place(p(i)).T_map_place * planarPose(rng.normal(0, 1), rng.normal(0, 1), rng.normal(0, 0.3)));
+  const auto graph = toGraph(m);
+  EXPECT_EQ(graph.constraints.size(), 8u);
+  EXPECT_FALSE(graph.constraints.front().robust);
+  EXPECT_TRUE(graph.constraints.back().robust);
+  m.setPoses(posegraph::makeRelaxer({})->relax(graph).poses);
+  for (const auto& [id, place] : truth.places)
+    EXPECT_TRUE(m.place(id).T_map_place.isApprox(place.T_map_place, 1e-4)) << id.value;
 }
 
 TEST(TopologicalMap, DamagedContentIsRefusedByName) {

@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/map/topological_map.h"
+#include "engram/posegraph/graph.h"
+
+namespace engram::map {
+
+/// The pose graph of the map, for the relaxers and for files: every place and every edge. Loop and
+/// recognition edges are robust. Weak edges take part with their large covariance, so that disjoint drives
+/// stay connected (K-11).
+posegraph::Graph toGraph(const TopologicalMap& map);
+
+}  // namespace engram::map
