@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/types/frame.h"
+
+#include <memory>
+#include <string>
+
+namespace engram::sources {
+
+struct RawlogWriterParams {
+  std::string sensor_label = "CAMERA";
+  std::string odometry_label = "ODOMETRY";
+  int jpeg_quality = 90;         ///< 1 … 100
+  bool external_images = false;  ///< as files in `<rawlog name>_Images` instead of inside the rawlog
+  bool overwrite = false;        ///< replace an existing rawlog (and its folder of images)
+};
+
+/// Writes frames as a gzip rawlog of observations: for each frame CObservationOdometry where there is
+/// odometry (its part in the plane), then CObservationImage or, with a right image, CObservationStereoImages,
+/// as JPEG. MRPT 2.x reads it. Everything goes to `<path>.part` and gets its name only in close(): there is
+/// never half a rawlog.
+class RawlogWriter {
+ public:
+  /// Throws base::Error when the path exists (and overwrite is false) or cannot be written.
+  explicit RawlogWriter(const std::string& path, const RawlogWriterParams& params = {});
+  /// Without close() nothing is left behind.
+  ~RawlogWriter();
+  RawlogWriter(const RawlogWriter&) = delete;
+  RawlogWriter& operator=(const RawlogWriter&) = delete;
+
+  /// Throws base::Error when the disk is full or the image cannot be encoded.
+  void add(const types::Frame& frame);
+  /// Writes the rest, makes sure it is on the disk and gives the file its name. Throws base::Error.
+  void close();
+
+  std::size_t frames() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace engram::sources

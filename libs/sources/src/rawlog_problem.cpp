@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rawlog_problem.h"
+
+#include <vector>
+
+namespace engram::sources {
+namespace {
+
+std::string count(std::size_t n, const std::string& what) {
+  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+}
+
+std::string named(const std::string& label) { return label.empty() ? "''" : label; }
+
+/// "225 observations (CObservation2DRangeScan 225) and 224 odometry readings"
+std::string describeContent(const RawlogStats& stats) {
+  std::size_t observations = 0;
+  std::string classes;
+  for (const auto& [name, labels] : stats.objects) {
+    if (name == "CSensoryFrame" || name == "CActionCollection") continue;
+    std::size_t n = 0;
+    for (const auto& [label, times] : labels) n += times;
+    observations += n;
+    classes += (classes.empty() ? "" : ", ") + name + " " + std::to_string(n);
+  }
+  std::string text = count(observations, "observation");
+  return classes.empty() ? text : text + " (" + classes + ")";
+}
+
+std::string listCameras(const RawlogStats& stats) {
+  std::string list;
+  for (const auto& [label, images] : stats.cameras)
+    list += (list.empty() ? "" : ", ") + named(label) + " (" + count(images, "image") + ")";
+  return list;
+}
+
+std::string describeChoice(const RawlogStats& stats, const RawlogParams& params,
+                           const std::string& usedLabel) {
+  if (!params.sensor_label.empty() && !stats.cameras.empty() && !stats.cameras.contains(params.sensor_label))
+    return "no camera has the label '" + params.sensor_label +
+           "'; set sensor_label to one of: " + listCameras(stats);
+  if (params.sensor_label.empty() && stats.cameras.size() > 1)
+    return "it holds several cameras, of which " + named(usedLabel) +
+           " was used; set sensor_label to choose among: " + listCameras(stats);
+  return {};
+}
+
+}  // namespace
+
+std::string describeProblem(const std::string& path, const std::string& damage, const RawlogStats& stats,
+                            const RawlogParams& params, const std::string& usedLabel) {
+  std::vector<std::string> parts;
+  const auto say = [&](std::size_t n, const std::string& what, const std::string& fate) {
+    if (n > 0) parts.push_back(count(n, what) + " " + fate);
+  };
+  if (!damage.empty()) parts.push_back(damage + "; " + count(stats.images, "image") + " before it read");
+  if (stats.cameras.empty()) parts.push_back("it holds " + describeContent(stats) + " but no images");
+  if (const auto choice = describeChoice(stats, params, usedLabel); !choice.empty()) parts.push_back(choice);
+  say(stats.imagesDamaged, "image", "left out: damaged (" + stats.firstFailure + ")");
+  say(stats.imagesMissing, "image", "left out: file not found (" + stats.firstFailure + "); see images_dir");
+  say(stats.imagesBadStamp, "image", "left out: the stamp repeats or goes back");
+  say(stats.imagesNoStamp, "image", "without a stamp: numbered one second apart");
+  say(stats.imagesNoOdometry, "image", "without odometry near in time");
+  say(stats.odometryBad, "odometry reading", "left out: not a number");
+  say(stats.odometryBadStamp, "odometry reading", "left out: the stamp repeats or goes back");
+  say(stats.clockRestarts, "time", "the clock was set back: time starts anew there");
+  std::string text;
+  for (const auto& part : parts) text += (text.empty() ? "" : "; ") + part;
+  if (text.empty() || text.rfind(path, 0) == 0) return text;
+  return path + ": " + text;
+}
+
+}  // namespace engram::sources

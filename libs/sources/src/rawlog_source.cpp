@@ -1,0 +1,218 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/sources/rawlog_source.h"
+
+#include "engram/base/error.h"
+#include "engram/sources/stamp_gate.h"
+#include "rawlog_parser.h"
+#include "rawlog_problem.h"
+
+#include <cmath>
+#include <deque>
+#include <filesystem>
+
+namespace engram::sources {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string imagesFolder(const std::string& path, const RawlogParams& params) {
+  if (!params.images_dir.empty()) return params.images_dir;
+  const fs::path file(path);
+  return (file.parent_path() / (file.stem().string() + "_Images")).string();
+}
+
+bool isFinite(const Pose2& pose) {
+  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
+}
+
+class Source final : public RawlogSource {
+ public:
+  Source(const std::string& path, const RawlogParams& params)
+      : path_(path), params_(params), folder_(imagesFolder(path, params)), parser_(path) {}
+
+  std::optional<types::Frame> next() override;
+  double progress() const override { return finished_ && pending_.empty() ? 1.0 : parser_.progress(); }
+  std::string problem() const override {
+    return describeProblem(path_, parser_.damage(), stats_, params_, label_.value_or(""));
+  }
+  const RawlogStats& stats() const override { return stats_; }
+  std::string damage() const override { return parser_.damage(); }
+
+ private:
+  enum class Kind { kUnknown, kObservation, kAction };
+
+  void readOne();
+  void take(ImageRecord&& record);
+  void take(const OdometryRecord& record);
+  void take(const ActionRecord& record);
+  void take(const OtherRecord&) {}
+  bool useKind(Kind kind);
+  void addSample(double stamp, const Pose2& pose);
+  void noteStamp(double stamp);
+  bool ready(const ImageRecord& record) const;
+  std::optional<types::Frame> deliver(ImageRecord record);
+
+  std::string path_;
+  RawlogParams params_;
+  std::string folder_;
+  RawlogParser parser_;
+  RawlogStats stats_;
+  bool finished_ = false;
+
+  std::optional<std::string> label_;  // of the camera in use
+  StampGate imageGate_;
+  std::deque<ImageRecord> pending_;
+
+  Kind kind_ = Kind::kUnknown;
+  std::optional<std::string> odometryLabel_;
+  StampGate odometryGate_;
+  OdometryTrack track_;
+  Pose2 pose_;  // the last sample, or the sum of the increments
+  bool hasPose_ = false;
+  bool poseLacksStamp_ = false;  // increments whose end has no stamp but that of the next image
+};
+
+std::optional<types::Frame> Source::next() {
+  for (;;) {
+    while (!pending_.empty() && (finished_ || ready(pending_.front()))) {
+      ImageRecord record = std::move(pending_.front());
+      pending_.pop_front();
+      if (auto frame = deliver(std::move(record))) return frame;
+    }
+    if (finished_) return std::nullopt;
+    readOne();
+  }
+}
+
+void Source::readOne() {
+  auto record = parser_.next();
+  if (record) std::visit([this](auto&& r) { take(std::forward<decltype(r)>(r)); }, std::move(*record));
+  finished_ = !record;
+  if (finished_) stats_.objects = parser_.counts();
+}
+
+bool Source::ready(const ImageRecord& record) const {
+  return params_.odometry == "none" || track_.covers(record.stamp) ||
+         pending_.size() >= static_cast<std::size_t>(params_.look_ahead);
+}
+
+void Source::noteStamp(double stamp) {
+  if (stats_.firstStamp == 0.0 || stamp < stats_.firstStamp) stats_.firstStamp = stamp;
+  stats_.lastStamp = std::max(stats_.lastStamp, stamp);
+}
+
+void Source::take(ImageRecord&& record) {
+  ++stats_.cameras[record.label];
+  if (!label_ && (params_.sensor_label.empty() || record.label == params_.sensor_label))
+    label_ = record.label;
+  if (!label_ || record.label != *label_) return;
+  if (std::isnan(record.stamp)) {
+    ++stats_.imagesNoStamp;
+    record.stamp = std::isnan(imageGate_.last()) ? 0.0 : imageGate_.last() + 1.0;
+  }
+  switch (imageGate_.check(record.stamp)) {
+    case StampGate::Verdict::kPass:
+      break;
+    case StampGate::Verdict::kRestart:
+      ++stats_.clockRestarts;
+      break;
+    default:
+      ++stats_.imagesBadStamp;
+      return;
+  }
+  noteStamp(record.stamp);
+  if (poseLacksStamp_) addSample(record.stamp, pose_);
+  poseLacksStamp_ = false;
+  pending_.push_back(std::move(record));
+}
+
+bool Source::useKind(Kind kind) {
+  if (params_.odometry == "none") return false;
+  if (params_.odometry == "observation" && kind != Kind::kObservation) return false;
+  if (params_.odometry == "action" && kind != Kind::kAction) return false;
+  if (kind_ == Kind::kUnknown) kind_ = kind;
+  return kind_ == kind;
+}
+
+void Source::take(const OdometryRecord& record) {
+  const bool wanted = params_.odometry_label.empty() || record.label == params_.odometry_label;
+  if (wanted && !odometryLabel_) odometryLabel_ = record.label;
+  if (!wanted || record.label != *odometryLabel_ || !useKind(Kind::kObservation))
+    return void(++stats_.odometryOther);
+  if (!isFinite(record.pose)) return void(++stats_.odometryBad);
+  if (std::isnan(record.stamp)) return void(++stats_.odometryBadStamp);
+  addSample(record.stamp, record.pose);
+}
+
+void Source::take(const ActionRecord& record) {
+  if (!useKind(Kind::kAction)) return void(++stats_.odometryOther);
+  if (!isFinite(record.increment)) return void(++stats_.odometryBad);
+  // The path begins where the images before the first action were taken.
+  if (!hasPose_ && !std::isnan(imageGate_.last())) addSample(imageGate_.last(), Pose2{});
+  if (!hasPose_) pose_ = Pose2{};
+  const Pose2 now = compose(pose_, record.increment);
+  if (std::isnan(record.stamp)) {
+    stats_.pathLength += std::hypot(record.increment.x, record.increment.y);
+    ++stats_.odometry;
+    pose_ = now;
+    hasPose_ = poseLacksStamp_ = true;
+    return;
+  }
+  addSample(record.stamp, now);
+  pose_ = now;  // even when the stamp was refused: the motion took place
+  hasPose_ = true;
+}
+
+void Source::addSample(double stamp, const Pose2& pose) {
+  switch (odometryGate_.check(stamp)) {
+    case StampGate::Verdict::kPass:
+      break;
+    case StampGate::Verdict::kRestart:
+      ++stats_.clockRestarts;
+      track_.clear();
+      break;
+    default:
+      ++stats_.odometryBadStamp;
+      return;
+  }
+  if (hasPose_) stats_.pathLength += std::hypot(pose.x - pose_.x, pose.y - pose_.y);
+  ++stats_.odometry;
+  noteStamp(stamp);
+  track_.add(stamp, pose);
+  pose_ = pose;
+  hasPose_ = true;
+}
+
+std::optional<types::Frame> Source::deliver(ImageRecord record) {
+  const auto fail = [&](const Decoded& bad) {
+    ++(bad.missing ? stats_.imagesMissing : stats_.imagesDamaged);
+    if (stats_.firstFailure.empty()) stats_.firstFailure = bad.failure;
+    return std::nullopt;
+  };
+  types::Frame frame;
+  Decoded left = decode(record.image, folder_);
+  if (left.image.empty()) return fail(left);
+  frame.image = std::move(left.image);
+  if (record.stereo) {
+    Decoded right = decode(record.right, folder_);
+    if (right.image.empty()) return fail(right);
+    frame.right = std::move(right.image);
+  }
+  frame.index = stats_.images++;
+  frame.stamp = record.stamp;
+  frame.label = record.image.kind == EncodedImage::Kind::kExternal ? record.image.path : record.label;
+  if (const auto pose = track_.at(record.stamp, params_.odometry_hold))
+    frame.T_odom_robot = toIsometry(*pose);
+  if (!frame.T_odom_robot && !track_.empty()) ++stats_.imagesNoOdometry;
+  return frame;
+}
+
+}  // namespace
+
+std::unique_ptr<RawlogSource> openRawlog(const std::string& path, const RawlogParams& params) {
+  base::validate(params);
+  return std::make_unique<Source>(path, params);
+}
+
+}  // namespace engram::sources

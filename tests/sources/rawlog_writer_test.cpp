@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/sources/rawlog_writer.h"
+
+#include "engram/base/error.h"
+#include "engram/sources/odometry_track.h"
+#include "rawlog_fixture.h"
+
+#include <gmock/gmock.h>
+#include <mrpt/io/CFileGZInputStream.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationStereoImages.h>
+#include <mrpt/serialization/CArchive.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include <csignal>
+#include <sys/resource.h>
+
+namespace engram::sources::test {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+types::Frame makeFrame(int number, int channels = 3) {
+  types::Frame frame;
+  frame.index = static_cast<std::uint64_t>(number);
+  frame.stamp = kStart + 0.1 * number;
+  frame.image = picture(number, {64, 48}, channels);
+  frame.T_odom_robot = toIsometry({0.1 * number, -0.2, 0.05 * number});
+  return frame;
+}
+
+void writeFrames(const std::string& path, int n, const RawlogWriterParams& params = {}) {
+  RawlogWriter writer(path, params);
+  for (int i = 0; i < n; ++i) writer.add(makeFrame(i, i % 2 == 0 ? 3 : 1));
+  writer.close();
+}
+
+void expectRoundTrip(const std::string& path, int n) {
+  auto source = openRawlog(path);
+  const auto frames = readFrames(*source);
+  EXPECT_EQ(source->problem(), "");
+  ASSERT_EQ(frames.size(), static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) {
+    const auto& frame = frames[static_cast<std::size_t>(i)];
+    const types::Frame truth = makeFrame(i, i % 2 == 0 ? 3 : 1);
+    EXPECT_NEAR(frame.stamp, truth.stamp, 1e-6);
+    ASSERT_EQ(frame.image.type(), truth.image.type());
+    EXPECT_LT(difference(frame.image, truth.image), 4.0);
+    ASSERT_TRUE(frame.T_odom_robot);
+    EXPECT_TRUE(frame.T_odom_robot->isApprox(*truth.T_odom_robot, 1e-9));
+  }
+}
+
+TEST(RawlogWriter, RoundTripEmbedded) {
+  const TempFolder folder;
+  writeFrames(folder.path("a.rawlog"), 7);
+  expectRoundTrip(folder.path("a.rawlog"), 7);
+  EXPECT_FALSE(fs::exists(folder.path("a.rawlog.part")));
+}
+
+TEST(RawlogWriter, RoundTripExternal) {
+  const TempFolder folder;
+  RawlogWriterParams params;
+  params.external_images = true;
+  writeFrames(folder.path("a.rawlog"), 5, params);
+  EXPECT_TRUE(fs::exists(folder.path("a_Images/CAMERA_000004.jpg")));
+  expectRoundTrip(folder.path("a.rawlog"), 5);
+}
+
+TEST(RawlogWriter, RoundTripStereo) {
+  const TempFolder folder;
+  types::Frame frame = makeFrame(1, 1);
+  frame.right = picture(99, {64, 48}, 1);
+  RawlogWriter writer(folder.path("s.rawlog"));
+  writer.add(frame);
+  writer.close();
+  auto source = openRawlog(folder.path("s.rawlog"));
+  const auto frames = readFrames(*source);
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_EQ(source->problem(), "");
+  EXPECT_LT(difference(frames[0].image, frame.image), 3.0);
+  EXPECT_LT(difference(frames[0].right, frame.right), 3.0);
+  EXPECT_EQ(frames[0].label, "CAMERA");
+}
+
+TEST(RawlogWriter, MrptReadsWhatWeWrite) {
+  const TempFolder folder;
+  types::Frame stereo = makeFrame(2);
+  stereo.right = picture(50);
+  {
+    RawlogWriter writer(folder.path("a.rawlog"));
+    writer.add(makeFrame(0, 3));
+    writer.add(makeFrame(1, 1));
+    writer.add(stereo);
+    writer.close();
+  }
+  mrpt::io::CFileGZInputStream stream(folder.path("a.rawlog"));
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  for (int i = 0; i < 2; ++i) {
+    const auto odometry = archive.ReadObject<mrpt::obs::CObservationOdometry>();
+    EXPECT_NEAR(odometry->odometry.phi(), 0.05 * i, 1e-12);
+    EXPECT_NEAR(mrpt::Clock::toDouble(odometry->timestamp), kStart + 0.1 * i, 1e-6);
+    const auto image = archive.ReadObject<mrpt::obs::CObservationImage>();
+    EXPECT_EQ(image->sensorLabel, "CAMERA");
+    EXPECT_EQ(image->image.isColor(), i == 0);
+    EXPECT_LT(difference(image->image.asCvMatRef(), picture(i, {64, 48}, i == 0 ? 3 : 1)), 4.0);
+  }
+  archive.ReadObject<mrpt::obs::CObservationOdometry>();
+  const auto pair = archive.ReadObject<mrpt::obs::CObservationStereoImages>();
+  EXPECT_TRUE(pair->hasImageRight);
+  EXPECT_LT(difference(pair->imageRight.asCvMatRef(), stereo.right), 4.0);
+  EXPECT_THROW(archive.ReadObject(), mrpt::serialization::CExceptionEOF);
+}
+
+TEST(RawlogWriter, SameFramesSameBytes) {
+  const TempFolder folder;
+  writeFrames(folder.path("a.rawlog"), 4);
+  writeFrames(folder.path("b.rawlog"), 4);
+  EXPECT_EQ(readAll(folder.path("a.rawlog")), readAll(folder.path("b.rawlog")));
+}
+
+TEST(RawlogWriter, NeverOverwritesUnasked) {
+  const TempFolder folder;
+  writeFrames(folder.path("a.rawlog"), 1);
+  const auto before = readAll(folder.path("a.rawlog"));
+  try {
+    RawlogWriter writer(folder.path("a.rawlog"));
+    FAIL() << "overwrote";
+  } catch (const base::Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("exists already"));
+  }
+  EXPECT_EQ(readAll(folder.path("a.rawlog")), before);
+  RawlogWriterParams params;
+  params.overwrite = true;
+  writeFrames(folder.path("a.rawlog"), 3, params);
+  expectRoundTrip(folder.path("a.rawlog"), 3);
+}
+
+TEST(RawlogWriter, AbandonedLeavesNothing) {
+  const TempFolder folder;
+  {
+    RawlogWriterParams params;
+    params.external_images = true;
+    RawlogWriter writer(folder.path("a.rawlog"), params);
+    writer.add(makeFrame(0));
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path("")));
+}
+
+TEST(RawlogWriter, MissingFolderIsAnError) {
+  const TempFolder folder;
+  EXPECT_THROW(RawlogWriter(folder.path("none/a.rawlog")), base::Error);
+}
+
+// A limit on the size of files stands for a full disk: the same errors of write(), the same path through the
+// code.
+TEST(RawlogWriter, FullDiskIsReported) {
+  const TempFolder folder;
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  const auto withLimit = [&](rlim_t bytes) -> std::string {
+    const rlimit limit{bytes, old.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    std::string message;
+    try {
+      RawlogWriter writer(folder.path("a.rawlog"));
+      for (int i = 0; i < 40; ++i) writer.add(makeFrame(i));
+      writer.close();
+    } catch (const base::Error& e) {
+      message = e.what();
+    }
+    setrlimit(RLIMIT_FSIZE, &old);
+    return message;
+  };
+  EXPECT_EQ(withLimit(old.rlim_cur), "");
+  const auto size = static_cast<rlim_t>(fs::file_size(folder.path("a.rawlog")));
+  fs::remove(folder.path("a.rawlog"));
+  for (const rlim_t bytes : {rlim_t{100}, size / 2, size - 10}) {
+    EXPECT_THAT(withLimit(bytes), HasSubstr("cannot be written")) << bytes;
+    EXPECT_TRUE(fs::is_empty(folder.path(""))) << bytes;
+  }
+}
+
+TEST(RawlogWriter, FrameWithoutImageIsAnError) {
+  const TempFolder folder;
+  RawlogWriter writer(folder.path("a.rawlog"));
+  EXPECT_THROW(writer.add(types::Frame{}), base::Error);
+}
+
+}  // namespace
+}  // namespace engram::sources::test
