@@ -23,9 +23,10 @@ T parseNumber(const std::string& text, const char* kind) {
   T value{};
   const char* first = text.data();
   const char* last = first + text.size();
-  if (first != last && *first == '+') ++first;
+  if (last - first > 1 && *first == '+' && first[1] != '-') ++first;
   const auto [end, status] = std::from_chars(first, last, value);
-  if (status != std::errc() || end != last) throw ConfigError("'" + text + "' is not " + kind);
+  if (status != std::errc() || end != last || !std::isfinite(static_cast<double>(value)))
+    throw ConfigError("'" + text + "' is not " + kind);
   return value;
 }
 

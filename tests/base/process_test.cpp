@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Threads, signals and the progress line.
+#include "engram/base/interrupt.h"
+#include "engram/base/parallel.h"
+#include "engram/base/progress.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <csignal>
+#include <numeric>
+#include <sstream>
+#include <stdexcept>
+
+namespace engram::base {
+namespace {
+
+TEST(ParallelFor, CallsEveryIndexOnceOnAnyNumberOfThreads) {
+  for (const int threads : {-1, 0, 1, 2, 3, 16}) {
+    for (const std::size_t n : {std::size_t{0}, std::size_t{1}, std::size_t{5}, std::size_t{1000}}) {
+      std::vector<std::atomic<int>> calls(n);
+      parallelFor(n, threads, [&](std::size_t i) { ++calls[i]; });
+      for (const auto& count : calls) ASSERT_EQ(count.load(), 1);
+    }
+  }
+}
+
+TEST(ParallelFor, GivesTheSameResultOnAnyNumberOfThreads) {
+  const auto run = [](int threads) {
+    std::vector<double> out(500);
+    parallelFor(out.size(), threads, [&](std::size_t i) { out[i] = 1.0 / (1.0 + static_cast<double>(i)); });
+    return out;
+  };
+  EXPECT_EQ(run(1), run(4));
+}
+
+TEST(ParallelFor, RethrowsAnExceptionAndStops) {
+  for (const int threads : {1, 4}) {
+    std::atomic<int> calls{0};
+    const auto body = [&](std::size_t i) {
+      ++calls;
+      if (i == 10) throw std::runtime_error("ten");
+    };
+    EXPECT_THAT([&] { parallelFor(1000000, threads, body); },
+                testing::ThrowsMessage<std::runtime_error>("ten"));
+    EXPECT_GE(calls.load(), 11);
+    EXPECT_LT(calls.load(), 1000000);
+  }
+}
+
+TEST(ParallelFor, ThrowsOneOfSeveralExceptions) {
+  EXPECT_THROW(parallelFor(100, 4, [](std::size_t) { throw std::logic_error("any"); }), std::logic_error);
+}
+
+TEST(InterruptDeathTest, FirstSignalSetsTheFlagAndTheSecondEnds) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  for (const int signal : {SIGINT, SIGTERM}) {
+    EXPECT_EXIT(
+        {
+          installInterruptHandler();
+          if (interrupted()) std::_Exit(10);
+          std::raise(signal);
+          std::_Exit(interrupted() ? 0 : 11);
+        },
+        testing::ExitedWithCode(0), "");
+    EXPECT_EXIT(
+        {
+          installInterruptHandler();
+          std::raise(signal);
+          std::raise(signal);
+          std::_Exit(12);
+        },
+        testing::KilledBySignal(signal), "");
+  }
+}
+
+TEST(Progress, IsSilentWithoutAStreamAndBeforeItHasSomethingToSay) {
+  std::ostringstream out;
+  {
+    Progress progress(&out, "reading");
+    progress.update(0.1, 1);  // too soon after the start to be worth a line
+    progress.finish();
+    progress.update(0.9, 9);  // finished
+  }
+  EXPECT_EQ(out.str(), "");
+  Progress silent(nullptr, "reading");
+  EXPECT_NO_THROW(silent.update(0.5, 5));
+}
+
+}  // namespace
+}  // namespace engram::base
