@@ -16,8 +16,9 @@ namespace {
 
 constexpr int kLayers = 4;
 constexpr double kScalePerSize = 1.2 / 9;  // the 9×9 filter stands for sigma = 1.2 (Bay 2008, section 3.2)
-// A fit that leaves its sample by more than this belongs to a neighbour, or to no peak at all.
-constexpr double kLargestOffset = 0.6;
+// A fit that leaves its sample by more than this is no peak. The usual limit of 0.5 loses peaks that lie
+// between two layers: each fit points to the other.
+constexpr double kLargestOffset = 1.0;
 
 /// Filter sizes 9, 15, 21, 27; 15, 27, 39, 51; 27, 51, 75, 99; … (Bay 2008, section 3.3).
 BoxFilter filterOf(int octave, int layer) { return {(2 << octave) * (layer + 1) + 1}; }

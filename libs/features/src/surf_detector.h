@@ -17,7 +17,7 @@ struct SurfDetectorParams {
 };
 
 /// Side of SURF's descriptor window in units of its scale, and so Keypoint::size / scale.
-inline constexpr float kSurfWindow = 20.0f;
+inline constexpr float kSurfWindow = 24.0f;
 
 /// Interest points of the fast Hessian detector (Bay, Ess, Tuytelaars & Van Gool 2008, section 3): box-filter
 /// Hessian, maxima among 3×3×3 neighbours, quadratic fit in place and scale. Angles are 0; the order is by

@@ -19,7 +19,7 @@ struct ExtractorParams {
   int min_features = 200;
   int retries = 3;
   int grid_cells = 0;
-  double mask_margin = 0.75;
+  double mask_margin = 0.6;
   bool upright = false;
 
   double surf_threshold = 5e-5;
