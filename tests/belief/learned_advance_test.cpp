@@ -107,7 +107,7 @@ TEST(LearnedAdvance, BeatsTheBlindFilterOnASteadyWalk) {
   for (const auto& [name, make] :
        {std::pair{"forward", &forward}, {"backward", &backward}, {"half_speed", &halfSpeed}}) {
     const auto p = compare(name, [make = make](std::uint64_t) { return make(); });
-    EXPECT_GT(p.learned, p.blind) << name;
+    EXPECT_GT(p.learned, p.blind + 0.05) << name;
   }
 }
 
@@ -116,38 +116,42 @@ TEST(LearnedAdvance, IsNotMuchWorseWhenTheRobotStopsAndTurnsBack) {
   EXPECT_GT(p.learned, p.blind - 0.02);
 }
 
-TEST(LearnedAdvance, IsNotMuchWorseWhereThereIsNothingToLearn) {
+// Every step between -2 and 2 with equal probability: the memory of the last step can only mislead.
+TEST(LearnedAdvance, LosesLittleWhereThereIsNothingToLearn) {
   const auto p = compare("random", randomWalk);
-  EXPECT_GT(p.learned, p.blind - 0.03);
+  EXPECT_GT(p.learned, p.blind - 0.07);
 }
 
 TEST(LearnedAdvance, FindsTheStepAndForgetsIt) {
   const auto graph = chain(kPlaces);
-  BeliefParams params;
-  params.advance = "learned";
-  BayesFilter filter(params, false);
+  BayesFilter filter({}, false);
   filter.reset(kPlaces);
   base::Rng rng(5);
-  EXPECT_NEAR(filter.stepProbabilities()[2], filter.stepProbabilities()[4], 1e-12) << "symmetric at first";
-  const auto drive = [&](int from, int step, int images) {
+  const auto probability = [&](double low, double high) {
+    double sum = 0;
+    for (std::size_t k = 0; k < filter.stepProbabilities().size(); ++k)
+      if (filter.stepSize(k) >= low && filter.stepSize(k) <= high) sum += filter.stepProbabilities()[k];
+    return sum;
+  };
+  const auto drive = [&](double from, double step, int images) {
     for (int t = 0; t < images; ++t) {
       filter.predict(graph);
-      filter.update(likelihood(similarities(from + step * t, 0.4, rng), graph, params));
+      const int truth = static_cast<int>(std::lround(from + step * t));
+      filter.update(likelihood(similarities(truth, 0.4, rng), graph, filter.params()));
     }
   };
-  const auto mostProbable = [&] {
-    const auto& p = filter.stepProbabilities();
-    return static_cast<int>(std::max_element(p.begin(), p.end()) - p.begin()) - params.advance_max;
-  };
+  EXPECT_NEAR(probability(-3, 3), 1, 1e-12);
+  EXPECT_NEAR(probability(-3, -1), probability(1, 3), 1e-12) << "symmetric at first";
   drive(10, 2, 40);
-  EXPECT_EQ(mostProbable(), 2);
-  EXPECT_GT(filter.stepProbabilities()[5], 0.5);
+  EXPECT_GT(probability(1.5, 2.5), 0.7);
   drive(88, 0, 20);
-  EXPECT_EQ(mostProbable(), 0);
-  drive(88, -1, 40);
-  EXPECT_EQ(mostProbable(), -1);
+  EXPECT_GT(probability(-0.5, 0.5), 0.6);
+  drive(88, -1, 30);
+  EXPECT_GT(probability(-1.5, -0.5), 0.7);
+  drive(58, 0.5, 40);
+  EXPECT_GT(probability(0.25, 0.75), 0.6);
   filter.reset(kPlaces);
-  EXPECT_NEAR(filter.stepProbabilities()[2], filter.stepProbabilities()[4], 1e-12);
+  EXPECT_NEAR(probability(-3, -1), probability(1, 3), 1e-12);
 }
 
 }  // namespace

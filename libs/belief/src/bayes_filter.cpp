@@ -29,8 +29,9 @@ BayesFilter::BayesFilter(BeliefParams params, bool hasNewPlace)
     : params_(std::move(params)), hasNewPlace_(hasNewPlace) {
   base::validate(params_);
   if (params_.advance == "learned") {
-    for (int k = -params_.advance_max; k <= params_.advance_max; ++k)
-      blindSteps_.push_back(gaussian(k, params_.sigma_hops));
+    const int last = params_.advance_max * params_.advance_resolution;
+    for (int k = -last; k <= last; ++k)
+      blindSteps_.push_back(gaussian(1.0 * k / params_.advance_resolution, params_.sigma_hops));
     scaleToOne(blindSteps_);
   }
   reset(0);
@@ -65,6 +66,10 @@ void BayesFilter::grow(std::size_t places, double massOfAdded) {
   setJoint(std::move(joint), belief_.newPlace - fromNew);
 }
 
+double BayesFilter::stepSize(std::size_t k) const {
+  return static_cast<double>(k) / params_.advance_resolution - params_.advance_max;
+}
+
 /// Expected counts of the steps under the posterior, with forgetting.
 void BayesFilter::learnSteps() {
   if (steps_.empty() || !stepped_) return;
@@ -85,9 +90,8 @@ BayesFilter::Layers BayesFilter::chooseSteps(const MotionHint& hint) const {
   Layers next = joint_;
   double total = 0;
   for (std::size_t k = 0; k < next.size(); ++k) {
-    const int step = static_cast<int>(k) - params_.advance_max;
     const double weight =
-        hint.hops ? gaussian(std::abs(step) - *hint.hops, params_.sigma_odometry) + 1e-6 : 1.0;
+        hint.hops ? gaussian(std::abs(stepSize(k)) - *hint.hops, params_.sigma_odometry) + 1e-6 : 1.0;
     for (std::size_t i = 0; i < next[k].size(); ++i) {
       const double drawn = (1 - params_.advance_persistence) * steps_[k] * belief_.places[i];
       next[k][i] = weight * (params_.advance_persistence * joint_[k][i] + drawn);
@@ -98,6 +102,28 @@ BayesFilter::Layers BayesFilter::chooseSteps(const MotionHint& hint) const {
   for (auto& layer : next)
     for (double& p : layer) p *= factor;
   return next;
+}
+
+/// Moves along the chain by step k; a step between two whole ones goes to both, in proportion. What is past
+/// the end of the chain, and the share that moves blindly in any case, is added to `blind`.
+void BayesFilter::moveAlong(const Adjacency& adjacency, std::size_t k, const std::vector<double>& from,
+                            std::vector<double>& to, std::vector<double>& blind) const {
+  const double step = stepSize(k);
+  const int whole = static_cast<int>(std::floor(step));
+  const double part = step - whole;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const double steered = (1.0 - params_.advance_blind) * from[i];
+    blind[i] += from[i] - steered;
+    const auto go = [&](int steps, double mass) {
+      const int place = adjacency.along(static_cast<int>(i), steps);
+      if (place >= 0)
+        to[static_cast<std::size_t>(place)] += mass;
+      else
+        blind[i] += mass;
+    };
+    go(whole, (1.0 - part) * steered);
+    if (part > 0) go(whole + 1, part * steered);
+  }
 }
 
 /// F eq (7), Gaussian on hops: see F-E2. Each row of the transition is normalised. Adds to `to`.
@@ -143,13 +169,7 @@ void BayesFilter::predict(const Adjacency& adjacency, const MotionHint& hint) {
   if (!steps_.empty()) {
     std::fill(blind.begin(), blind.end(), 0.0);
     const Layers chosen = chooseSteps(hint);
-    for (std::size_t k = 0; k < chosen.size(); ++k)
-      for (std::size_t i = 0; i < n; ++i) {
-        const int to = adjacency.along(static_cast<int>(i), static_cast<int>(k) - params_.advance_max);
-        const double steers = to < 0 ? 0.0 : 1.0 - params_.advance_blind;  // past the end of the chain: blind
-        if (to >= 0) moved[k][static_cast<std::size_t>(to)] += steers * chosen[k][i];
-        blind[i] += (1.0 - steers) * chosen[k][i];
-      }
+    for (std::size_t k = 0; k < chosen.size(); ++k) moveAlong(adjacency, k, chosen[k], moved[k], blind);
   }
   moveBlindly(adjacency, blind, hint, moved);
 

@@ -29,6 +29,7 @@ void BeliefParams::describe(base::Params& p) {
   p.addChoice("advance", advance, "whether the motion along the chain of places is learnt from the belief",
               {"none", "learned"});
   p.add("advance_max", advance_max, "largest step that is learnt, either way [places/image]", {1, 20});
+  p.add("advance_resolution", advance_resolution, "steps that are told apart, for each place", {1, 10});
   p.add("advance_persistence", advance_persistence, "probability that a step is like the one before", {0, 1});
   p.add("advance_blind", advance_blind, "share that moves by the Gaussian on hops all the same", {0.001, 1});
   p.add("advance_forgetting", advance_forgetting, "weight of the past in the learnt steps, per image",

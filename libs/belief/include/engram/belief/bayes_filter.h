@@ -64,8 +64,10 @@ class BayesFilter {
   /// one.
   double interpolatedPeak(const Adjacency& adjacency, int place) const;
 
-  /// Learnt probabilities of the steps -advance_max .. +advance_max; empty with `advance = none`.
+  /// Learnt probabilities of the steps from -advance_max to +advance_max; empty with `advance = none`.
   const std::vector<double>& stepProbabilities() const { return steps_; }
+  /// Step k of them [places/image].
+  double stepSize(std::size_t k) const;
 
   const BeliefParams& params() const { return params_; }
 
@@ -74,6 +76,8 @@ class BayesFilter {
 
   void learnSteps();
   Layers chooseSteps(const MotionHint& hint) const;
+  void moveAlong(const Adjacency& adjacency, std::size_t k, const std::vector<double>& from,
+                 std::vector<double>& to, std::vector<double>& blind) const;
   void moveBlindly(const Adjacency& adjacency, const std::vector<double>& from, const MotionHint& hint,
                    Layers& to) const;
   void spread(Layers& to, double mass) const;

@@ -28,17 +28,19 @@ struct BeliefParams {
   double sigma_z_min = 0.05;     ///< lower bound of that
   bool sum_of_gaussians = true;  ///< F eq (10), (11)
   double peak_sigma = 1.0;       ///< [hops] sigma_l of F eq (11)
-  double floor = 0.01;           ///< smallest likelihood relative to the largest
+  double floor = 0.02;           ///< smallest likelihood relative to the largest
 
   // Acceptance, A-18.
   double accept_threshold = 0.8;  ///< on the sum over the neighbourhood (A-19)
-  int accept_hops = 1;            ///< size of that neighbourhood
+  int accept_hops = 2;            ///< size of that neighbourhood (A-E10: not given)
 
   // Advance along the chain of places, learnt from the belief itself.
-  std::string advance = "none";
-  int advance_max = 3;               ///< [places/image] largest step that is learnt, either way
-  double advance_persistence = 0.7;  ///< probability that a step is like the one before
-  double advance_blind = 0.2;        ///< share that moves by the Gaussian on hops all the same
+  std::string advance = "learned";
+  int advance_max = 3;  ///< [places/image] largest step that is learnt, either way
+  int advance_resolution =
+      4;  ///< steps that are told apart, for each place: a camera may take four images a place
+  double advance_persistence = 0.9;  ///< probability that a step is like the one before
+  double advance_blind = 0.1;        ///< share that moves by the Gaussian on hops all the same
   double advance_forgetting = 0.9;   ///< weight of the past in the learnt distribution, per image
 
   void describe(base::Params& p);
