@@ -10,9 +10,9 @@
 #include <mrpt/opengl/CPointCloudColoured.h>
 #include <mrpt/opengl/CSetOfLines.h>
 #include <mrpt/opengl/CSetOfObjects.h>
-#include <mrpt/opengl/CSetOfTexturedTriangles.h>
 #include <mrpt/opengl/CSphere.h>
 #include <mrpt/opengl/CText.h>
+#include <mrpt/opengl/CTexturedPlane.h>
 #include <mrpt/opengl/stock_objects.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -30,6 +30,9 @@ using mrpt::img::TColorf;
 
 /// More spheres or labels than these make the viewer slow and the picture unreadable.
 constexpr std::size_t kMaxSpheres = 2000, kMaxLabels = 200;
+/// MRPT floods stderr when more than 192 textures are seen. (An atlas cannot help: the file format of 2.5
+/// drops the texture coordinates of CSetOfTexturedTriangles.)
+constexpr std::size_t kMaxImages = 180;
 constexpr double kPathHeight = 0.02, kLabelHeight = 0.35;  // [m]
 
 TColor toMrpt(Colour c) { return {c.r, c.g, c.b}; }
@@ -70,6 +73,7 @@ gl::CRenderizable::Ptr ground(const Extent& e) {
   auto grid = gl::CGridPlaneXY::Create(down(e.low.x()), up(e.high.x()), down(e.low.y()), up(e.high.y()),
                                        static_cast<float>(e.low.z() - 0.1), static_cast<float>(step));
   grid->setColor_u8(TColor(200, 200, 200));
+  grid->enableAntiAliasing(false);  // smooth lines are drawn over everything that stands in front of them
   grid->setName("grid, squares of " + std::to_string(static_cast<int>(step)) + " m");
   return grid;
 }
@@ -149,73 +153,38 @@ std::vector<gl::CRenderizable::Ptr> paths(const map::TopologicalMap& map) {
   return out;
 }
 
-/// Upright pictures above the places, many in one texture: viewers flood stderr beyond 192 textures.
-class Atlas {
- public:
-  static constexpr int kColumns = 16, kRows = 16, kCellWidth = 128, kCellHeight = 96;
+/// The picture of the place, upright above it, as the robot saw it that looks along its x axis.
+gl::CRenderizable::Ptr picture(const cv::Mat& image, const map::Place& place, double width) {
+  const auto w = static_cast<float>(width / 2);
+  const float h = w * static_cast<float>(image.rows) / static_cast<float>(image.cols);
+  auto plane = gl::CTexturedPlane::Create(-w, w, -h, h);
+  plane->assignImage(mrpt::img::CImage(image, mrpt::img::DEEP_COPY));
+  static_cast<gl::CRenderizableShaderTexturedTriangles&>(*plane).enableLight(false);
+  // The plane's x is the robot's right, its y is up.
+  Eigen::Isometry3d T_place_plane = Eigen::Isometry3d::Identity();
+  T_place_plane.linear() << 0, 0, -1, -1, 0, 0, 0, 1, 0;
+  T_place_plane.translation().z() = h + kLabelHeight + 0.5 * width;
+  const Eigen::Isometry3d T = place.T_map_place * T_place_plane;
+  plane->setPose(mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(T.matrix())));
+  plane->setName("image of place " + std::to_string(place.id.value));
+  return plane;
+}
 
-  explicit Atlas(double width) : width_(width) {}
-
-  /// `image` above the pose, facing the robot that looks along its x axis.
-  void add(const cv::Mat& image, const Eigen::Isometry3d& T_map_place) {
-    if (used_ == kColumns * kRows) finishPage();
-    if (page_.empty()) {
-      page_ = cv::Mat(kRows * kCellHeight, kColumns * kCellWidth, CV_8UC3, cv::Scalar(255, 255, 255));
-      object_ = gl::CSetOfTexturedTriangles::Create();
-    }
-    const int column = used_ % kColumns, row = used_ / kColumns;
-    ++used_;
-    cv::Mat cell = page_(cv::Rect(column * kCellWidth, row * kCellHeight, kCellWidth, kCellHeight));
-    cv::resize(image, cell, cell.size(), 0, 0, cv::INTER_AREA);
-    const double w = width_ / 2, h = width_ * kCellHeight / kCellWidth, z = 1.6 * width_ / 2 + kLabelHeight;
-    const std::array<Eigen::Vector3d, 4> corners{
-        {{0, w, z + h}, {0, -w, z + h}, {0, -w, z}, {0, w, z}}};  // left is +y; clockwise from the top left
-    const std::array<Eigen::Vector2d, 4> cells{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-    for (const std::array<std::size_t, 3> triangle : {std::array<std::size_t, 3>{0, 1, 2}, {0, 2, 3}}) {
-      gl::TTriangle t;
-      for (std::size_t i = 0; i < 3; ++i) {
-        const Eigen::Vector3f p = (T_map_place * corners[triangle[i]]).cast<float>();
-        t.vertex(i) = {p.x(), p.y(), p.z()};
-        t.u(i) = static_cast<float>((column + cells[triangle[i]].x()) / kColumns);
-        t.v(i) = static_cast<float>((row + cells[triangle[i]].y()) / kRows);
-      }
-      t.computeNormals();
-      object_->insertTriangle(t);
-    }
-  }
-
-  std::vector<gl::CRenderizable::Ptr> finish() {
-    if (used_ > 0) finishPage();
-    return std::move(objects_);
-  }
-
- private:
-  void finishPage() {
-    object_->assignImage(mrpt::img::CImage(page_, mrpt::img::DEEP_COPY));
-    object_->setName("images " + std::to_string(objects_.size() + 1));
-    objects_.push_back(object_);
-    page_ = cv::Mat();
-    used_ = 0;
-  }
-
-  double width_;
-  int used_ = 0;
-  cv::Mat page_;
-  gl::CSetOfTexturedTriangles::Ptr object_;
-  std::vector<gl::CRenderizable::Ptr> objects_;
-};
-
+/// The first picture of each place, as more would hide each other; of a large map every second, third, …
+/// place.
 std::vector<gl::CRenderizable::Ptr> images(const map::TopologicalMap& map, double step) {
-  Atlas atlas(0.8 * step);
-  std::set<map::PlaceId> shown;  // the first picture of each place: more would hide each other
-  for (const auto& [id, view] : map.views()) {
-    if (view.jpeg.empty() || shown.contains(view.place)) continue;
-    const cv::Mat image = cv::imdecode(view.jpeg, cv::IMREAD_COLOR);
-    if (image.empty()) continue;
-    shown.insert(view.place);
-    atlas.add(image, map.place(view.place).T_map_place);
+  std::map<map::PlaceId, const map::View*> first;
+  for (const auto& [id, view] : map.views())
+    if (!view.jpeg.empty()) first.try_emplace(view.place, &view);
+  const std::size_t every = (first.size() + kMaxImages - 1) / kMaxImages;
+  std::vector<gl::CRenderizable::Ptr> out;
+  std::size_t i = 0;
+  for (const auto& [place, view] : first) {
+    if (i++ % every != 0) continue;
+    const cv::Mat image = cv::imdecode(view->jpeg, cv::IMREAD_COLOR);
+    if (!image.empty()) out.push_back(picture(image, map.place(place), 0.8 * step));
   }
-  return atlas.finish();
+  return out;
 }
 
 gl::COpenGLScene sceneOf(const map::TopologicalMap& map, bool withImages) {

@@ -12,7 +12,7 @@ namespace engram::exporters {
 // throws base::Error when the path exists and `overwrite` is false, or when it cannot be written.
 
 struct SceneOptions {
-  bool images = false;  ///< show the thumbnails of the views above their places
+  bool images = false;  ///< show thumbnails above their places, at most 180, evenly chosen
   bool overwrite = false;
 };
 
