@@ -49,14 +49,6 @@ void ConfigOptions::declare(CLI::App& app) {
   app.add_flag("--dump-config", dump, "Print every key in force with its meaning, and stop");
 }
 
-bool ConfigOptions::apply(base::Config& config, std::ostream& out) const {
-  base::IniFile ini = base::IniFile::load(file);
-  for (const auto& assignment : overrides) ini.override(assignment);
-  config.read(ini);
-  if (dump) out << config.dump();
-  return dump;
-}
-
 void writeFileAtomically(const std::string& path, const std::string& content) {
   const std::string temporary = path + ".partial";
   {

@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "engram/base/config.h"
-
 namespace engram::apps {
 
 /// Exit codes of all programs.
@@ -45,9 +43,6 @@ struct ConfigOptions {
   bool dump = false;
 
   void declare(CLI::App& app);
-  /// Reads the file and the overrides into the structs bound to `config`. True when --dump-config asked to print
-  /// and stop; it has been printed to `out` then.
-  bool apply(base::Config& config, std::ostream& out) const;
 };
 
 /// Writes `content` to a temporary file beside `path` and renames it: readers see all of it or nothing.

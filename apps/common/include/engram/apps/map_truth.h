@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/evaluation/place_truth.h"
+#include "engram/evaluation/trajectory.h"
+#include "engram/evaluation/truth.h"
+#include "engram/map/topological_map.h"
+#include "engram/types/frame_report.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace engram::apps {
+
+/// A verdict on one answer.
+struct Judgement {
+  evaluation::Verdict verdict = evaluation::Verdict::kUnknown;
+  std::optional<double> error;  ///< [places], with TUM truth
+};
+
+/// Ground truth held against a map. Only programs use it: nothing that maps or localises sees it.
+class MapTruth {
+ public:
+  MapTruth(const std::string& path, const evaluation::TruthOptions& options);
+
+  bool hasPoses() const { return truth_.kind() == evaluation::TruthKind::kPoses; }
+  const evaluation::Trajectory& poses() const { return poses_; }
+
+  /// Keeps the true pose of a place that the image of this report made, for later evaluation.
+  void survey(map::TopologicalMap& map, const types::FrameReport& report) const;
+
+  /// Is a loop closure from this image to this place real?
+  evaluation::Verdict judgeClosure(const map::TopologicalMap& map, const types::FrameReport& report,
+                                   base::PlaceId place) const;
+
+  /// To be called before judge(). Throws base::Error for poses when the map's places were not surveyed.
+  void readPlaces(const map::TopologicalMap& map);
+  /// Is it right that the image of this report shows this place?
+  /// @param peak interpolated position along the chain of places; negative to take the place itself.
+  Judgement judge(const map::TopologicalMap& map, const types::FrameReport& report, base::PlaceId place,
+                  double peak) const;
+  bool answerable(const types::FrameReport& report) const;
+
+ private:
+  evaluation::Truth truth_;
+  evaluation::Trajectory poses_;
+  evaluation::SurveyedPlaces surveyed_;
+  std::vector<base::PlaceId> ids_;
+};
+
+/// Absolute trajectory error [m] of one drive after alignment in the plane; none without truth at its stamps.
+std::optional<double> trajectoryError(const map::TopologicalMap& map, int session,
+                                      const evaluation::Trajectory& truth);
+
+}  // namespace engram::apps

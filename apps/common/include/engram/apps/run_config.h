@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/apps/program.h"
+#include "engram/pipeline/params.h"
+#include "engram/sources/rawlog_source.h"
+
+namespace engram::apps {
+
+/// The configuration that engram-slam and engram-localize share, with its command line options.
+struct RunConfig {
+  ConfigOptions options;
+  std::string cameraFile;  ///< --camera
+  pipeline::PipelineParams pipeline;
+  sources::RawlogParams source;
+
+  void declare(CLI::App& app);
+  /// True when --dump-config was served and the program is to stop.
+  bool load(std::ostream& out);
+  /// Every key in force.
+  std::string dump();
+
+ private:
+  void bind(base::Config& config);
+};
+
+}  // namespace engram::apps

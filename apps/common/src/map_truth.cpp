@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/apps/map_truth.h"
+
+#include "engram/base/error.h"
+#include "engram/evaluation/trajectory_error.h"
+
+#include <algorithm>
+
+namespace engram::apps {
+namespace {
+
+evaluation::FrameRef reference(const types::FrameReport& report) {
+  return {report.index, report.label, report.stamp, std::nullopt};
+}
+
+evaluation::FrameRef reference(const map::Place& place) {
+  evaluation::FrameRef ref{place.createdIndex, place.createdLabel, place.createdStamp, std::nullopt};
+  if (place.T_world_place) ref.position = place.T_world_place->translation();
+  return ref;
+}
+
+}  // namespace
+
+MapTruth::MapTruth(const std::string& path, const evaluation::TruthOptions& options)
+    : truth_(evaluation::Truth::load(path, options)) {
+  if (hasPoses()) poses_ = evaluation::readTum(path);
+}
+
+void MapTruth::survey(map::TopologicalMap& map, const types::FrameReport& report) const {
+  if (!hasPoses() || report.outcome != types::Outcome::kNewPlace) return;
+  if (const auto pose = evaluation::poseAt(poses_, report.stamp)) map.survey(report.place, *pose);
+}
+
+evaluation::Verdict MapTruth::judgeClosure(const map::TopologicalMap& map, const types::FrameReport& report,
+                                           base::PlaceId place) const {
+  return truth_.judge(reference(report), reference(map.place(place)));
+}
+
+void MapTruth::readPlaces(const map::TopologicalMap& map) {
+  if (!hasPoses()) return;
+  for (const auto& [id, place] : map.places()) {
+    if (!place.T_world_place)
+      throw base::Error("place " + std::to_string(id.value) +
+                        " of the map has no true pose; make the map with engram-slam --truth");
+    ids_.push_back(id);
+    surveyed_.positions.push_back(place.T_world_place->translation());
+  }
+  const auto indexOf = [&](base::PlaceId id) {
+    return static_cast<int>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin());
+  };
+  std::vector<std::pair<int, int>> edges;
+  for (const auto& [id, edge] : map.edges())
+    if (edge.type != map::EdgeType::kWeak) edges.emplace_back(indexOf(edge.a), indexOf(edge.b));
+  surveyed_.adjacency = belief::Adjacency::fromEdges(ids_.size(), edges);
+}
+
+Judgement MapTruth::judge(const map::TopologicalMap& map, const types::FrameReport& report, base::PlaceId place,
+                          double peak) const {
+  if (!hasPoses()) return {truth_.judge(reference(report), reference(map.place(place))), std::nullopt};
+  const auto index = static_cast<int>(std::lower_bound(ids_.begin(), ids_.end(), place) - ids_.begin());
+  const auto error =
+      evaluation::placeError(truth_, report.stamp, surveyed_, index, peak < 0 ? static_cast<double>(index) : peak);
+  if (!error) return {};
+  return {error->verdict, error->places};
+}
+
+bool MapTruth::answerable(const types::FrameReport& report) const { return truth_.answerable(reference(report)); }
+
+std::optional<double> trajectoryError(const map::TopologicalMap& map, int session,
+                                      const evaluation::Trajectory& truth) {
+  evaluation::Trajectory path;
+  for (const auto& point : map.path())
+    if (point.session == session && (path.empty() || point.stamp > path.back().stamp))
+      path.push_back({point.stamp, map.T_map_robot(point)});
+  const auto error = evaluation::ate(path, truth, evaluation::Alignment::kSe2);
+  if (!error) return std::nullopt;
+  return error->rmse;
+}
+
+}  // namespace engram::apps

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/apps/run_config.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <ostream>
+
+namespace engram::apps {
+namespace fs = std::filesystem;
+
+void RunConfig::declare(CLI::App& app) {
+  options.declare(app);
+  app.add_option("--camera", cameraFile, "Calibration file, instead of [camera] file of the configuration");
+}
+
+void RunConfig::bind(base::Config& config) {
+  config.bind("source", source);
+  pipeline.bind(config);
+}
+
+bool RunConfig::load(std::ostream& out) {
+  base::Config config;
+  bind(config);
+  base::IniFile ini = base::IniFile::load(options.file);
+  const auto isCamera = [](const std::string& s) { return s.rfind("camera.file=", 0) == 0; };
+  const bool cameraOverridden =
+      std::any_of(options.overrides.begin(), options.overrides.end(), isCamera) || !cameraFile.empty();
+  for (const auto& assignment : options.overrides) ini.override(assignment);
+  if (!cameraFile.empty()) ini.override("camera.file=" + cameraFile);
+  config.read(ini);
+
+  auto& file = pipeline.camera.file;
+  if (!file.empty() && !cameraOverridden && fs::path(file).is_relative())
+    file = (fs::path(options.file).parent_path() / file).lexically_normal().string();
+  if (options.dump) out << config.dump();
+  return options.dump;
+}
+
+std::string RunConfig::dump() {
+  base::Config config;
+  bind(config);
+  return config.dump();
+}
+
+}  // namespace engram::apps

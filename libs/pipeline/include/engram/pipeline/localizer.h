@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/map/topological_map.h"
+#include "engram/memory/place_memory.h"
+#include "engram/pipeline/dead_reckoning.h"
+#include "engram/pipeline/params.h"
+#include "engram/pipeline/perception.h"
+#include "engram/pipeline/place_match.h"
+#include "engram/pipeline/recogniser.h"
+#include "engram/types/frame.h"
+#include "engram/types/frame_report.h"
+
+#include <memory>
+
+namespace engram::pipeline {
+
+/// Says at every image where the robot is in a finished map (F-20, A-14). The map is frozen; or, when asked to adapt,
+/// its places remember what they are verified to look like, and nothing else changes.
+class Localizer {
+ public:
+  /// Throws base::Error for an empty map or a calibration that cannot be read.
+  Localizer(const PipelineParams& params, map::TopologicalMap map, bool adapt = false);
+
+  /// Throws base::Error when the first image contradicts the calibration.
+  types::FrameReport process(const types::Frame& frame);
+
+  /// The robot is lost: every place is equally likely again.
+  void restart() { recogniser_.load(map_); }
+
+  const map::TopologicalMap& map() const { return map_; }
+  map::TopologicalMap& map() { return map_; }
+  /// What this configuration asks of a map.
+  map::MapHeader header() const { return perception_.mapHeader(params_.memory.memory); }
+
+ private:
+  struct Work;
+
+  bool perceive(Work& work);
+  void move(Work& work);
+  void recognise(Work& work);
+  void verify(Work& work);
+  void remember(Work& work);
+
+  PipelineParams params_;
+  Perception perception_;
+  std::unique_ptr<memory::MemoryModel> memory_;
+  Recogniser recogniser_;
+  DeadReckoning reckoning_;     // between images
+  double sinceLearning_ = 0.0;  // [m] travelled since a place last learnt
+  map::TopologicalMap map_;
+  bool adapt_;
+};
+
+}  // namespace engram::pipeline

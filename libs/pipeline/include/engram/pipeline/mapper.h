@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/map/topological_map.h"
+#include "engram/memory/place_memory.h"
+#include "engram/pipeline/dead_reckoning.h"
+#include "engram/pipeline/params.h"
+#include "engram/pipeline/perception.h"
+#include "engram/pipeline/place_match.h"
+#include "engram/pipeline/recogniser.h"
+#include "engram/types/frame.h"
+#include "engram/types/frame_report.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace engram::pipeline {
+
+/// Builds or extends a map, image by image: the nine steps of the design, in process().
+class Mapper {
+ public:
+  /// @param map empty, or a map to extend: the robot then starts at an unknown place of it.
+  /// Throws base::Error on a calibration that cannot be read, base::ConfigError on parameters out of range.
+  Mapper(const PipelineParams& params, map::TopologicalMap map = {});
+
+  /// Learns from the next image. Throws base::Error when the first image contradicts the calibration.
+  types::FrameReport process(const types::Frame& frame);
+
+  /// To be called at the end of a drive: relaxes the whole graph once more.
+  void finish();
+
+  const map::TopologicalMap& map() const { return map_; }
+  /// For the store and for evaluation (surveyed poses).
+  map::TopologicalMap& map() { return map_; }
+  /// The number of this drive in the map, from 0.
+  int session() const { return session_; }
+  /// What the map must be opened with again.
+  map::MapHeader header() const { return perception_.mapHeader(params_.memory.memory); }
+
+ private:
+  struct Work;
+  using Candidate = std::pair<base::PlaceId, PlaceMatch>;
+
+  bool perceive(Work& work);
+  void move(Work& work);
+  bool select(Work& work);
+  void recognise(Work& work);
+  void verify(Work& work);
+  void decide(Work& work);
+  void remember(Work& work);
+  void relate(Work& work);
+  void relax(Work& work);
+
+  bool metric() const { return reckoning_.known() && anchor_.valid(); }
+  bool isRecent(base::PlaceId place) const;
+  Eigen::Isometry3d T_place_robot(base::PlaceId place) const;
+  std::optional<std::pair<base::PlaceId, double>> nearestByOdometry() const;
+  bool belongsTo(base::PlaceId place, const PlaceMatch& match) const;
+  void addPlace(Work& work);
+  types::RelPose motionFrom(const Work& work, base::PlaceId from) const;
+  void addView(const Work& work, base::PlaceId place, int thumbnailWidth);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> correspondences(const PlaceMatch& match, base::PlaceId a,
+                                                                       base::PlaceId b) const;
+  void joinPlace(Work& work, const Candidate& candidate);
+  void relaxAll();
+
+  PipelineParams params_;
+  Perception perception_;
+  std::unique_ptr<memory::MemoryModel> memory_;
+  Recogniser recogniser_;
+  std::unique_ptr<posegraph::Relaxer> relaxer_;
+  DeadReckoning reckoning_;
+  map::TopologicalMap map_;
+
+  int session_ = 0;
+  base::PlaceId anchor_;              // where the robot was last certain to be; invalid at wake-up
+  std::set<base::PlaceId> recent_;    // places near the newest one, while the robot goes on from it
+  bool frontier_ = true;              // the robot has just made places and is not known to be back in older ones
+  int misses_ = 0;                    // unrecognised images in a row in known territory
+  bool closedSinceRelax_ = false;
+  types::Features lastKeyframe_;
+};
+
+}  // namespace engram::pipeline

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/base/config.h"
+#include "engram/belief/bayes_filter.h"
+#include "engram/features/extractor.h"
+#include "engram/features/matching.h"
+#include "engram/geometry/verify.h"
+#include "engram/memory/static_view.h"
+#include "engram/pipeline/perception.h"
+#include "engram/posegraph/relaxer.h"
+
+#include <string>
+
+namespace engram::pipeline {
+
+/// Section `[select]`: which images are looked at.
+struct SelectParams {
+  double min_distance = 0.4;         ///< [m] since the last keyframe, with odometry
+  double min_rotation = 0.5235987756;  ///< [rad] since the last keyframe, with odometry; either one is enough (A-E12)
+  double standing_similarity = 0.95; ///< without odometry: an image this similar to the last keyframe is dropped (F-07)
+
+  void describe(base::Params& p);
+};
+
+/// Section `[place]`: when an image is a new place.
+struct PlaceParams {
+  double spacing = 1.0;            ///< [m] between places, with odometry (F-08)
+  double same_similarity = 0.9;    ///< without odometry: an image this similar to a place just made is that place (F-07)
+  int recent_hops = 6;             ///< places this near in the graph to the newest one are no loop closure
+  int patience = 5;                ///< unrecognised images in a row in known territory before new places are made
+  int keep_thumbnails = 160;       ///< width of the stored thumbnail of a place [px]; 0 stores none
+
+  void describe(base::Params& p);
+};
+
+/// Section `[recognise]`.
+struct RecogniseParams {
+  int candidates = 5;                ///< hypotheses that go to geometric verification, best first
+  int accept_inliers = 20;           ///< verified matches that acceptance needs
+  double accept_similarity = 0.2;    ///< F eq (8) with verified matches that acceptance needs
+  int threads = 1;                   ///< the result does not depend on it
+
+  void describe(base::Params& p);
+};
+
+/// Section `[odometry]`: the noise of wheel odometry (A-08 with A-E7, A-E8).
+struct OdometryParams {
+  double sigma_per_metre = 0.03;         ///< [m/m], along and across
+  double sigma_heading_per_metre = 0.01; ///< [rad/m]
+  double sigma_heading_per_radian = 0.03;///< [rad/rad]
+  double sigma_floor = 0.01;             ///< [m] and [rad]: no edge is stiffer
+
+  void describe(base::Params& p);
+};
+
+/// The whole configuration of Mapper and Localizer.
+struct PipelineParams {
+  CameraParams camera;
+  features::ExtractorParams extractor;
+  features::MatchParams match;
+  geometry::VerifyParams verify;
+  SelectParams select;
+  RecogniseParams recognise;
+  belief::BeliefParams belief;
+  PlaceParams place;
+  OdometryParams odometry;
+  memory::MemoryParams memory;
+  memory::FshParams fsh;
+  posegraph::RelaxerParams posegraph;
+
+  /// Binds every struct to its section; this object must outlive `config`.
+  void bind(base::Config& config);
+};
+
+}  // namespace engram::pipeline

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/base/params.h"
+#include "engram/cameras/camera_rig.h"
+#include "engram/cameras/lifting_table.h"
+#include "engram/cameras/pinhole.h"
+#include "engram/features/extractor.h"
+#include "engram/map/map_content.h"
+#include "engram/types/features.h"
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace engram::pipeline {
+
+/// Section `[camera]`.
+struct CameraParams {
+  std::string file;          ///< calibration file; empty: an uncalibrated pinhole with `fov`
+  double fov = 1.0471975512; ///< horizontal field of view of an uncalibrated camera [rad]
+  int image_width = 0;       ///< images are scaled to this width before extraction [px]; 0 keeps them
+
+  void describe(base::Params& p);
+};
+
+/// Perceive: an image becomes features with quantised descriptors and unit bearings in the robot frame
+/// (x forward, y left, z up), so that the vertical is the same for every camera (F-09, F-11).
+class Perception {
+ public:
+  /// Throws base::Error when the calibration cannot be read.
+  Perception(CameraParams camera, const features::ExtractorParams& extractor);
+
+  /// Why this image cannot be used, in words; empty when it can. The first image fixes the size of an
+  /// uncalibrated camera. Throws base::Error when the first image contradicts the calibration.
+  std::string refusal(const cv::Mat& image);
+
+  /// Features of an image that refusal() accepted.
+  types::Features operator()(const cv::Mat& image) const;
+
+  /// What a map made with this camera and extractor must be opened with again.
+  map::MapHeader mapHeader(const std::string& memoryModel) const;
+
+ private:
+  std::string cameraText() const;
+  void setRig(cameras::CameraRig rig);
+
+  CameraParams params_;
+  std::unique_ptr<features::Extractor> extractor_;
+  std::optional<cameras::CameraRig> rig_;
+  std::unique_ptr<cameras::LiftingTable> lifting_;
+  Eigen::Matrix3f R_robot_cam_ = Eigen::Matrix3f::Identity();
+  cv::Size expectedSize_;  // of the images as they come
+  bool checkedFirst_ = false;
+};
+
+}  // namespace engram::pipeline

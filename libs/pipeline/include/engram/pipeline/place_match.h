@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/features/matching.h"
+#include "engram/geometry/verify.h"
+#include "engram/memory/place_memory.h"
+#include "engram/pipeline/params.h"
+#include "engram/types/match.h"
+
+#include <Eigen/Geometry>
+
+#include <vector>
+
+namespace engram::pipeline {
+
+/// One view held against one place: what agrees in appearance and geometry.
+struct PlaceMatch {
+  geometry::Reason reason = geometry::Reason::kTooFewMatches;
+  int tentative = 0;                  ///< matches by descriptor alone
+  std::vector<types::Match> matches;  ///< verified; a = feature of the view, b = feature of the memory
+  int longTermInliers = 0;            ///< of them, those with long-term features
+  double similarity = 0.0;            ///< F eq (8) over verified long-term matches
+  Eigen::Matrix3d R_place_view = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d direction_place = Eigen::Vector3d::Zero();  ///< unit vector to the view; zero: no parallax
+  bool verified() const { return reason == geometry::Reason::kOk; }
+};
+
+/// match() of F-06: nearest neighbours, then epipolar geometry. Short-term features take part, so that they can be
+/// rehearsed (F-E3); the similarity counts long-term ones alone (F-02).
+PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& place,
+                        const features::MatchParams& match, const geometry::VerifyParams& verify);
+
+/// Whether a match suffices to say that the robot is there.
+bool strongEnough(const PlaceMatch& match, const RecogniseParams& params);
+
+/// F eq (8) as F-E11 simplifies it: sqrt(matches / features of the reference); 0 for an empty reference.
+double similarity(int matches, int referenceFeatures);
+
+/// The view as the place would see it: bearings turned into the frame of the place, which is what memory keeps.
+types::Features inPlaceFrame(types::Features view, const Eigen::Matrix3d& R_place_view);
+
+}  // namespace engram::pipeline

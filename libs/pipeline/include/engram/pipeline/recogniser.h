@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/belief/bayes_filter.h"
+#include "engram/features/place_matcher.h"
+#include "engram/map/topological_map.h"
+#include "engram/pipeline/params.h"
+#include "engram/types/frame_report.h"
+
+#include <optional>
+#include <set>
+#include <vector>
+
+namespace engram::pipeline {
+
+/// Recognise: features become a score for each place and a belief over all of them (F-19, F-20).
+/// Holds the long-term features of every place in one searchable block; the map tells it of every change.
+class Recogniser {
+ public:
+  enum class Mode {
+    kMapping,       ///< "none of these" is a state of the filter (A-14)
+    kLocalisation,  ///< the robot is somewhere in the map
+  };
+
+  Recogniser(const PipelineParams& params, Mode mode);
+
+  /// Takes over a whole map; the belief becomes uniform.
+  void load(const map::TopologicalMap& map);
+  /// A place was added, or its memory has changed.
+  void placeChanged(const map::Place& place);
+  /// Edges were added or removed.
+  void edgesChanged(const map::TopologicalMap& map);
+
+  /// Predicts by the motion model and weighs by this view. Hypotheses come best first, at most `candidates`.
+  /// @param excluded places that cannot be the answer: those just made.
+  /// @param travelled distance since the last call [m]; none when unknown.
+  std::vector<types::Hypothesis> recognise(const types::Features& view, std::optional<double> travelled,
+                                           const std::set<base::PlaceId>& excluded = {});
+
+  /// The robot is certain to be at no known place (a place was just made).
+  void believeNew();
+
+  double newPlaceProbability() const { return filter_.posterior().newPlace; }
+  /// Posterior mass of a place and the places within `accept_hops` edges.
+  double neighbourhoodMass(base::PlaceId place) const;
+  /// Maximum of the posterior with sub-place resolution along the chain of places (F-E14); -1 on an empty map.
+  double interpolatedPeak() const;
+
+ private:
+  int indexOf(base::PlaceId id) const;
+  std::vector<double> similarities(const types::Features& view) const;
+  belief::Likelihood likelihoodWithout(const std::set<base::PlaceId>& excluded, std::vector<double> scores) const;
+
+  RecogniseParams params_;
+  features::MatchParams match_;
+  features::PlaceMatcher matcher_;
+  double spacing_;
+  belief::BayesFilter filter_;
+  belief::Adjacency adjacency_;
+  std::vector<base::PlaceId> ids_;  // ascending; index in the filter and in the matcher
+  std::vector<int> longTermSizes_;
+};
+
+}  // namespace engram::pipeline

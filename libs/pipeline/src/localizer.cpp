@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/pipeline/localizer.h"
+
+#include "step_timer.h"
+
+#include "engram/base/error.h"
+
+#include <limits>
+
+namespace engram::pipeline {
+
+struct Localizer::Work {
+  explicit Work(const types::Frame& f) : frame(f) {}
+  const types::Frame& frame;
+  types::Features features;
+  types::FrameReport report;
+  std::optional<PlaceMatch> accepted;  // at report.place
+};
+
+Localizer::Localizer(const PipelineParams& params, map::TopologicalMap map, bool adapt)
+    : params_(params),
+      perception_(params.camera, params.extractor),
+      memory_(memory::makeMemoryModel(params.memory, params.fsh)),
+      recogniser_(params, Recogniser::Mode::kLocalisation),
+      reckoning_(params.odometry),
+      sinceLearning_(std::numeric_limits<double>::infinity()),
+      map_(std::move(map)),
+      adapt_(adapt) {
+  if (map_.empty()) throw base::Error("the map holds no places; make one with engram-slam first");
+  recogniser_.load(map_);
+}
+
+types::FrameReport Localizer::process(const types::Frame& frame) {
+  Work work(frame);
+  work.report.index = frame.index;
+  work.report.stamp = frame.stamp;
+  work.report.label = frame.label;
+
+  move(work);
+  if (!perceive(work)) return work.report;
+  recognise(work);
+  verify(work);
+  if (adapt_) remember(work);
+  return work.report;
+}
+
+void Localizer::move(Work& work) { reckoning_.move(work.frame.T_odom_robot); }
+
+bool Localizer::perceive(Work& work) {
+  const StepTimer timer(work.report, "perceive");
+  work.report.outcome = types::Outcome::kUnusable;
+  work.report.reason = perception_.refusal(work.frame.image);
+  if (!work.report.reason.empty()) return false;
+  work.features = perception_(work.frame.image);
+  work.report.features = static_cast<int>(work.features.size());
+  if (work.report.features >= params_.recognise.accept_inliers) return true;
+  work.report.reason = "too few features";
+  return false;
+}
+
+void Localizer::recognise(Work& work) {
+  const StepTimer timer(work.report, "recognise");
+  std::optional<double> travelled;
+  if (reckoning_.known()) travelled = reckoning_.distance();
+  sinceLearning_ += reckoning_.distance();
+  reckoning_.markKeyframe();
+  work.report.hypotheses = recogniser_.recognise(work.features, travelled);
+  work.report.bestGuess = work.report.hypotheses.front().place;
+  work.report.bestGuessInterpolated = recogniser_.interpolatedPeak();
+}
+
+/// Hypotheses in the order of their posterior, until one is accepted (A-18, A-E13).
+void Localizer::verify(Work& work) {
+  const StepTimer timer(work.report, "verify");
+  work.report.outcome = types::Outcome::kRefused;
+  work.report.reason = "no place is probable enough";
+  for (auto& hypothesis : work.report.hypotheses) {
+    if (recogniser_.neighbourhoodMass(hypothesis.place) < params_.belief.accept_threshold) continue;
+    PlaceMatch match =
+        matchToPlace(work.features, map_.place(hypothesis.place).memory, params_.match, params_.verify);
+    hypothesis.inliers = static_cast<int>(match.matches.size());
+    if (strongEnough(match, params_.recognise)) {
+      work.report.outcome = types::Outcome::kRecognised;
+      work.report.reason.clear();
+      work.report.place = hypothesis.place;
+      work.accepted = std::move(match);
+      return;
+    }
+    work.report.reason = "the geometry does not confirm the most probable place";
+  }
+}
+
+/// Only what was verified is learnt (F-E16, X-07), and a standing robot learns once.
+void Localizer::remember(Work& work) {
+  const StepTimer timer(work.report, "remember");
+  if (!work.accepted || (reckoning_.known() && sinceLearning_ < params_.select.min_distance)) return;
+  const types::Features view = inPlaceFrame(work.features, work.accepted->R_place_view);
+  work.report.memory = map_.remember(work.report.place, *memory_, view, work.accepted->matches);
+  recogniser_.placeChanged(map_.place(work.report.place));
+  sinceLearning_ = 0.0;
+}
+
+}  // namespace engram::pipeline

@@ -1,0 +1,347 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/pipeline/mapper.h"
+
+#include "step_timer.h"
+#include "thumbnail.h"
+
+#include "engram/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace engram::pipeline {
+namespace {
+
+/// In known territory the robot may pass a place at this multiple of the spacing before it has left it.
+constexpr double kLeaveFactor = 1.5;
+
+/// Covariance of being exactly at a place that was just made.
+const types::Matrix6d kCertain = types::Matrix6d::Identity() * 1e-12;
+
+Eigen::Isometry3d withRotation(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = R;
+  T.translation() = t;
+  return T;
+}
+
+}  // namespace
+
+/// What is known of the image at hand, filled step by step.
+struct Mapper::Work {
+  explicit Work(const types::Frame& f) : frame(f) {}
+  const types::Frame& frame;
+  types::Features features;
+  types::FrameReport report;
+  std::vector<Candidate> candidates;   // verified or not, in the order they were tried
+  std::optional<Candidate> accepted;   // the place where the robot is
+  bool makesPlace = false;
+};
+
+Mapper::Mapper(const PipelineParams& params, map::TopologicalMap map)
+    : params_(params),
+      perception_(params.camera, params.extractor),
+      memory_(memory::makeMemoryModel(params.memory, params.fsh)),
+      recogniser_(params, Recogniser::Mode::kMapping),
+      relaxer_(posegraph::makeRelaxer(params.posegraph)),
+      reckoning_(params.odometry),
+      map_(std::move(map)),
+      session_(map_.nextSession()),
+      frontier_(map_.empty()) {
+  recogniser_.load(map_);
+}
+
+types::FrameReport Mapper::process(const types::Frame& frame) {
+  Work work(frame);
+  work.report.index = frame.index;
+  work.report.stamp = frame.stamp;
+  work.report.label = frame.label;
+
+  if (!perceive(work)) return work.report;
+  move(work);
+  if (!select(work)) return work.report;
+  recognise(work);
+  verify(work);
+  decide(work);
+  remember(work);
+  relate(work);
+  relax(work);
+  return work.report;
+}
+
+bool Mapper::perceive(Work& work) {
+  const StepTimer timer(work.report, "perceive");
+  work.report.outcome = types::Outcome::kUnusable;
+  work.report.reason = perception_.refusal(work.frame.image);
+  if (!work.report.reason.empty()) return false;
+  work.features = perception_(work.frame.image);
+  work.report.features = static_cast<int>(work.features.size());
+  if (work.report.features >= params_.recognise.accept_inliers) return true;
+  work.report.reason = "too few features";
+  move(work);
+  return false;
+}
+
+void Mapper::move(Work& work) { reckoning_.move(work.frame.T_odom_robot); }
+
+/// with A-E12 by odometry; F-07 without.
+bool Mapper::select(Work& work) {
+  const StepTimer timer(work.report, "select");
+  if (map_.empty() || lastKeyframe_.empty()) return true;
+  if (reckoning_.known()) {
+    if (reckoning_.distance() >= params_.select.min_distance || reckoning_.rotation() >= params_.select.min_rotation)
+      return true;
+    work.report.reason = "the robot has not moved";
+  } else {
+    const auto matches = features::match(work.features, lastKeyframe_, params_.match);
+    const double s = similarity(static_cast<int>(matches.size()), static_cast<int>(lastKeyframe_.size()));
+    if (s < params_.select.standing_similarity) return true;
+    work.report.reason = "the image is nearly the last one";
+  }
+  work.report.outcome = types::Outcome::kSkipped;
+  return false;
+}
+
+void Mapper::recognise(Work& work) {
+  const StepTimer timer(work.report, "recognise");
+  std::optional<double> travelled;
+  if (reckoning_.known()) travelled = reckoning_.distance();
+  work.report.hypotheses =
+      recogniser_.recognise(work.features, travelled, frontier_ ? recent_ : std::set<base::PlaceId>{});
+  if (!work.report.hypotheses.empty()) work.report.bestGuess = work.report.hypotheses.front().place;
+  work.report.bestGuessInterpolated = recogniser_.interpolatedPeak();
+  work.report.newPlaceProbability = recogniser_.newPlaceProbability();
+}
+
+/// Hypotheses in the order of their posterior, until one is accepted (A-18, A-E13); then, while new ground is
+/// covered, the places just made.
+void Mapper::verify(Work& work) {
+  const StepTimer timer(work.report, "verify");
+  const auto tryPlace = [&](base::PlaceId id) -> const PlaceMatch& {
+    work.candidates.emplace_back(
+        id, matchToPlace(work.features, map_.place(id).memory, params_.match, params_.verify));
+    return work.candidates.back().second;
+  };
+  for (auto& hypothesis : work.report.hypotheses) {
+    if (recogniser_.neighbourhoodMass(hypothesis.place) < params_.belief.accept_threshold) continue;
+    const PlaceMatch& match = tryPlace(hypothesis.place);
+    hypothesis.inliers = static_cast<int>(match.matches.size());
+    if (strongEnough(match, params_.recognise) && belongsTo(hypothesis.place, match)) {
+      work.accepted = work.candidates.back();
+      return;
+    }
+  }
+  if (!frontier_ || !anchor_.valid()) return;
+  const auto nearest = nearestByOdometry();
+  const base::PlaceId near = nearest ? nearest->first : anchor_;
+  const PlaceMatch& match = tryPlace(near);
+  if (strongEnough(match, params_.recognise) && belongsTo(near, match)) work.accepted = work.candidates.back();
+  if (near != anchor_ && !work.accepted) tryPlace(anchor_);
+}
+
+bool Mapper::isRecent(base::PlaceId place) const { return frontier_ && recent_.count(place) > 0; }
+
+/// Where odometry puts the robot, seen from a place near the anchor.
+Eigen::Isometry3d Mapper::T_place_robot(base::PlaceId place) const {
+  return map_.place(place).T_map_place.inverse() * map_.place(anchor_).T_map_place * reckoning_.anchorToRobot().T_a_b;
+}
+
+/// The place around the anchor that is nearest to the robot by odometry, with its distance [m].
+std::optional<std::pair<base::PlaceId, double>> Mapper::nearestByOdometry() const {
+  if (!metric()) return std::nullopt;
+  std::optional<std::pair<base::PlaceId, double>> best;
+  for (const auto& [id, hops] : map_.hopDistances(anchor_, params_.place.recent_hops)) {
+    const double distance = T_place_robot(id).translation().norm();
+    if (!best || distance < best->second) best = {id, distance};
+  }
+  return best;
+}
+
+/// Whether a verified view is still of this place, or of a new one beside it (F-07).
+bool Mapper::belongsTo(base::PlaceId place, const PlaceMatch& match) const {
+  if (!anchor_.valid()) return true;
+  if (!metric()) return !isRecent(place) || match.similarity >= params_.place.same_similarity;
+  const bool near = map_.hopDistances(anchor_, params_.place.recent_hops).count(place) > 0;
+  const double limit = params_.place.spacing * (frontier_ ? 1.0 : kLeaveFactor);
+  return !near || T_place_robot(place).translation().norm() < limit;
+}
+
+/// Recognised, new, or refused.
+void Mapper::decide(Work& work) {
+  auto& report = work.report;
+  if (work.accepted) {
+    report.outcome = types::Outcome::kRecognised;
+    report.place = work.accepted->first;
+    misses_ = 0;
+    return;
+  }
+  const bool lost = !anchor_.valid() || (!metric() && !frontier_);
+  if (map_.empty()) {
+    work.makesPlace = true;
+  } else if (lost) {
+    work.makesPlace = ++misses_ >= params_.place.patience;
+    report.reason = "not localised in the map yet";
+  } else if (metric()) {
+    const auto nearest = nearestByOdometry();
+    work.makesPlace = nearest->second >= params_.place.spacing * (frontier_ ? 1.0 : kLeaveFactor);
+    report.reason = "odometry says a known place, the image does not";
+  } else {
+    work.makesPlace = true;
+  }
+  report.outcome = work.makesPlace ? types::Outcome::kNewPlace : types::Outcome::kRefused;
+  if (work.makesPlace) report.reason.clear();
+}
+
+void Mapper::remember(Work& work) {
+  if (work.report.outcome == types::Outcome::kRefused) return;
+  const StepTimer timer(work.report, "remember");
+  reckoning_.markKeyframe();
+  lastKeyframe_ = work.features;
+  if (work.makesPlace) return addPlace(work);
+
+  const auto& [id, match] = *work.accepted;
+  work.report.memory =
+      map_.remember(id, *memory_, inPlaceFrame(work.features, match.R_place_view), match.matches);
+  recogniser_.placeChanged(map_.place(id));
+  addView(work, id, 0);
+}
+
+void Mapper::relate(Work& work) {
+  const StepTimer timer(work.report, "relate");
+  if (work.accepted) joinPlace(work, *work.accepted);
+  if (anchor_.valid())
+    map_.addPathPoint({session_, work.frame.stamp, anchor_,
+                       metric() ? reckoning_.anchorToRobot().T_a_b : Eigen::Isometry3d::Identity()});
+}
+
+/// A new node with its edge to where the robot came from (F-05, F-07, A-03).
+void Mapper::addPlace(Work& work) {
+  const bool weak = !map_.empty() && !anchor_.valid();
+  const base::PlaceId from = weak ? map_.places().rbegin()->first : anchor_;
+
+  map::Edge edge;
+  edge.a = from;
+  edge.type = weak ? map::EdgeType::kWeak : map::EdgeType::kOdometry;
+  edge.T_a_b = motionFrom(work, from);
+
+  map::Place place;
+  if (from.valid()) place.T_map_place = map_.place(from).T_map_place * edge.T_a_b.T_a_b;
+  place.memory = memory_->start(work.features);
+  place.createdStamp = work.frame.stamp;
+  place.createdIndex = work.frame.index;
+  place.createdLabel = work.frame.label;
+  place.session = session_;
+  work.report.memory.longTerm = static_cast<int>(place.memory.longTerm().size());
+  work.report.memory.shortTerm = static_cast<int>(place.memory.features.size()) - work.report.memory.longTerm;
+  work.report.memory.added = static_cast<int>(place.memory.features.size());
+  work.report.place = edge.b = map_.addPlace(std::move(place));
+  addView(work, edge.b, params_.place.keep_thumbnails);
+
+  if (from.valid()) {
+    for (const auto& [id, match] : work.candidates)
+      if (id == from && match.verified()) edge.correspondences = correspondences(match, from, edge.b);
+    map_.addEdge(std::move(edge));
+  }
+  anchor_ = work.report.place;
+  reckoning_.reset(Eigen::Isometry3d::Identity(), kCertain);
+  frontier_ = true;
+  misses_ = 0;
+  recent_.clear();
+  for (const auto& [id, hops] : map_.hopDistances(anchor_, params_.place.recent_hops)) recent_.insert(id);
+
+  recogniser_.placeChanged(map_.place(anchor_));
+  recogniser_.edgesChanged(map_);
+  recogniser_.believeNew();
+}
+
+/// Relative pose of the new place: by odometry; else the direction of the two-view geometry, one spacing long
+/// (F-05: planar motion up to scale).
+types::RelPose Mapper::motionFrom(const Work& work, base::PlaceId from) const {
+  if (metric() && from == anchor_) return reckoning_.anchorToRobot();
+  const double spacing = params_.place.spacing;
+  types::RelPose guess;
+  guess.T_a_b.translation().x() = anchor_.valid() ? spacing : 0.0;
+  guess.cov = planarCovariance(spacing, spacing, 1.0, params_.odometry.sigma_floor);
+  for (const auto& [id, match] : work.candidates)
+    if (id == from && match.verified())
+      guess.T_a_b = withRotation(match.R_place_view, spacing * match.direction_place);
+  return guess;
+}
+
+void Mapper::addView(const Work& work, base::PlaceId place, int thumbnailWidth) {
+  map::View view;
+  view.place = place;
+  view.stamp = work.frame.stamp;
+  view.frameIndex = work.frame.index;
+  view.label = work.frame.label;
+  view.session = session_;
+  if (thumbnailWidth > 0) view.jpeg = thumbnail(work.frame.image, thumbnailWidth);
+  map_.addView(std::move(view));
+}
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> Mapper::correspondences(const PlaceMatch& match, base::PlaceId a,
+                                                                             base::PlaceId b) const {
+  const auto& statesA = map_.place(a).memory.states;
+  const auto& statesB = map_.place(b).memory.states;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (const auto& m : match.matches) {
+    // A fresh memory numbers its features as they come in the view, without those it found to be duplicates.
+    const auto id = static_cast<std::uint32_t>(m.a);
+    const bool kept = std::any_of(statesB.begin(), statesB.end(), [id](const auto& s) { return s.id == id; });
+    if (kept) pairs.emplace_back(statesA[static_cast<std::size_t>(m.b)].id, id);
+  }
+  return pairs;
+}
+
+/// The robot is back at a known place: a closing edge where the graph had no short way, and a new anchor.
+void Mapper::joinPlace(Work& work, const Candidate& candidate) {
+  const auto& [id, match] = candidate;
+  if (isRecent(id) && metric()) return;  // odometry since the anchor is better than the place's extent
+
+  const bool near = anchor_.valid() && map_.hopDistances(anchor_, params_.place.recent_hops).count(id) > 0;
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // at the place itself, unless odometry knows better
+  if (near && metric()) {
+    offset = T_place_robot(id).translation();
+    offset *= std::min(1.0, 0.5 * params_.place.spacing / std::max(1e-9, offset.norm()));
+  }
+  types::RelPose atPlace;
+  atPlace.T_a_b = withRotation(match.R_place_view, offset);
+  const double extent = 0.5 * params_.place.spacing;
+  atPlace.cov = planarCovariance(extent, extent, 0.05, params_.odometry.sigma_floor);
+
+  if (anchor_.valid() && !near) {
+    map::Edge edge;
+    edge.type = map_.place(id).session == session_ ? map::EdgeType::kLoop : map::EdgeType::kRecognition;
+    edge.a = anchor_;
+    edge.b = id;
+    edge.T_a_b = compose(motionFrom(work, anchor_), inverse(atPlace));
+    map_.addEdge(std::move(edge));
+    recogniser_.edgesChanged(map_);
+    work.report.closure = closedSinceRelax_ = true;
+  }
+  anchor_ = id;
+  frontier_ = false;
+  recent_.clear();
+  reckoning_.reset(atPlace.T_a_b, atPlace.cov);
+}
+
+void Mapper::relax(Work& work) {
+  const StepTimer timer(work.report, "relax");
+  if (closedSinceRelax_) relaxAll();
+}
+
+void Mapper::relaxAll() {
+  closedSinceRelax_ = false;
+  posegraph::Graph graph;
+  for (const auto& [id, place] : map_.places()) graph.poses[id] = place.T_map_place;
+  for (const auto& [id, edge] : map_.edges())
+    graph.constraints.push_back({edge.a, edge.b, edge.T_a_b, edge.type != map::EdgeType::kOdometry});
+  const posegraph::Relaxation relaxed = relaxer_->relax(graph);
+  if (relaxed.ending == posegraph::Ending::kConverged || relaxed.ending == posegraph::Ending::kIterationLimit)
+    map_.setPoses(relaxed.poses);
+}
+
+void Mapper::finish() { relaxAll(); }
+
+}  // namespace engram::pipeline

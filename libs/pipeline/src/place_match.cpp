@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/pipeline/place_match.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace engram::pipeline {
+
+double similarity(int matches, int referenceFeatures) {
+  if (matches <= 0 || referenceFeatures <= 0) return 0.0;
+  return std::sqrt(std::min(1.0, static_cast<double>(matches) / referenceFeatures));
+}
+
+bool strongEnough(const PlaceMatch& match, const RecogniseParams& params) {
+  return match.verified() && static_cast<int>(match.matches.size()) >= params.accept_inliers &&
+         match.similarity >= params.accept_similarity;
+}
+
+types::Features inPlaceFrame(types::Features view, const Eigen::Matrix3d& R_place_view) {
+  const Eigen::Matrix3f R = R_place_view.cast<float>();
+  for (auto& bearing : view.bearings) bearing = (R * bearing).normalized();
+  return view;
+}
+
+PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& place,
+                        const features::MatchParams& match, const geometry::VerifyParams& verify) {
+  const std::vector<types::Match> tentative = features::match(view, place.features, match);
+  const geometry::Verification v =
+      geometry::verify(view, place.features, tentative, Eigen::Vector3d::UnitZ(), verify);
+
+  PlaceMatch result;
+  result.reason = v.reason;
+  result.tentative = static_cast<int>(tentative.size());
+  const Eigen::Isometry3d T_place_view = v.T_a_b.T_a_b.inverse();
+  result.R_place_view = T_place_view.linear();
+  result.direction_place = T_place_view.translation();
+  for (const int i : v.inliers) {
+    const types::Match& m = tentative[static_cast<std::size_t>(i)];
+    result.matches.push_back(m);
+    const auto stage = place.states[static_cast<std::size_t>(m.b)].stage;
+    result.longTermInliers += stage == memory::Stage::kLongTerm;
+  }
+  result.similarity = similarity(result.longTermInliers, static_cast<int>(place.longTerm().size()));
+  return result;
+}
+
+}  // namespace engram::pipeline

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/pipeline/recogniser.h"
+
+#include "engram/pipeline/place_match.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace engram::pipeline {
+
+Recogniser::Recogniser(const PipelineParams& params, Mode mode)
+    : params_(params.recognise),
+      match_(params.match),
+      spacing_(params.place.spacing),
+      filter_(params.belief, mode == Mode::kMapping) {
+  filter_.reset(0);
+}
+
+void Recogniser::load(const map::TopologicalMap& map) {
+  for (const auto& [id, place] : map.places()) placeChanged(place);
+  edgesChanged(map);
+  filter_.reset(ids_.size());
+}
+
+int Recogniser::indexOf(base::PlaceId id) const {
+  const auto at = std::lower_bound(ids_.begin(), ids_.end(), id);
+  return at != ids_.end() && *at == id ? static_cast<int>(at - ids_.begin()) : -1;
+}
+
+void Recogniser::placeChanged(const map::Place& place) {
+  int index = indexOf(place.id);
+  if (index < 0) {  // ids only grow
+    index = static_cast<int>(ids_.size());
+    ids_.push_back(place.id);
+    longTermSizes_.push_back(0);
+    adjacency_.neighbours.emplace_back();
+    adjacency_.successor.push_back(-1);
+    adjacency_.predecessor.push_back(-1);
+    filter_.grow(ids_.size(), 0.0);
+  }
+  const std::vector<int> longTerm = place.memory.longTerm();
+  longTermSizes_[static_cast<std::size_t>(index)] = static_cast<int>(longTerm.size());
+  matcher_.set(static_cast<std::size_t>(index), place.memory.features.subset(longTerm));
+}
+
+void Recogniser::edgesChanged(const map::TopologicalMap& map) {
+  std::vector<std::pair<int, int>> edges;
+  for (const auto& [id, edge] : map.edges())
+    if (edge.type != map::EdgeType::kWeak) edges.emplace_back(indexOf(edge.a), indexOf(edge.b));
+  adjacency_ = belief::Adjacency::fromEdges(ids_.size(), edges);
+}
+
+std::vector<double> Recogniser::similarities(const types::Features& view) const {
+  const std::vector<int> counts = matcher_.ratioMatchCounts(view, match_, params_.threads);
+  std::vector<double> result(ids_.size());
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = similarity(counts[i], longTermSizes_[i]);
+  return result;
+}
+
+std::vector<types::Hypothesis> Recogniser::recognise(const types::Features& view, std::optional<double> travelled,
+                                                     const std::set<base::PlaceId>& excluded) {
+  if (ids_.empty()) return {};
+  const std::vector<double> scores = similarities(view);
+  belief::MotionHint hint;
+  if (travelled) hint.hops = *travelled / spacing_;
+  filter_.predict(adjacency_, hint);
+  filter_.update(likelihoodWithout(excluded, scores));
+
+  const std::vector<double>& posterior = filter_.posterior().places;
+  std::vector<int> order(ids_.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto n = std::min<std::size_t>(order.size(), static_cast<std::size_t>(params_.candidates));
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n), order.end(), [&](int a, int b) {
+    const double pa = posterior[static_cast<std::size_t>(a)], pb = posterior[static_cast<std::size_t>(b)];
+    return pa != pb ? pa > pb : a < b;
+  });
+  std::vector<types::Hypothesis> hypotheses;
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto i = static_cast<std::size_t>(order[k]);
+    if (excluded.count(ids_[i])) continue;
+    hypotheses.push_back({ids_[i], scores[i], posterior[i], -1});
+  }
+  return hypotheses;
+}
+
+/// Places just made look like the image without being the answer: the new-place state stands for them.
+belief::Likelihood Recogniser::likelihoodWithout(const std::set<base::PlaceId>& excluded,
+                                                 std::vector<double> scores) const {
+  for (const auto id : excluded) scores[static_cast<std::size_t>(indexOf(id))] = 0.0;
+  return belief::likelihood(scores, adjacency_, filter_.params());
+}
+
+void Recogniser::believeNew() {
+  belief::Likelihood onlyNew;
+  onlyNew.places.assign(ids_.size(), 1e-6);
+  onlyNew.newPlace = 1.0;
+  filter_.update(onlyNew);
+}
+
+double Recogniser::neighbourhoodMass(base::PlaceId place) const {
+  return filter_.neighbourhoodMass(adjacency_, indexOf(place), filter_.params().accept_hops);
+}
+
+double Recogniser::interpolatedPeak() const {
+  const int best = filter_.best();
+  return best < 0 ? -1.0 : filter_.interpolatedPeak(adjacency_, best);
+}
+
+}  // namespace engram::pipeline
