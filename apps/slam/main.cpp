@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_program.h"
+#include "slam_program.h"
 
 int main(int argc, char** argv) {
-  engram::apps::MapProgram program;
+  engram::apps::SlamProgram program;
   return engram::apps::runProgram(program, argc, argv);
 }

@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "localize_figures.h"
+
+#include "engram/apps/program.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <iomanip>
+#include <ostream>
+#include <sstream>
+
+namespace engram::apps {
+namespace {
+
+/// F-26: right is within this many places of the truth.
+constexpr double kRightPlaces = 1.25;
+
+const char* word(evaluation::Verdict verdict) {
+  switch (verdict) {
+    case evaluation::Verdict::kRight: return "right";
+    case evaluation::Verdict::kWrong: return "wrong";
+    case evaluation::Verdict::kUnknown: return "";
+  }
+  return "";
+}
+
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + "\"";
+}
+
+}  // namespace
+
+std::string LocalizeFigures::csvHeader() {
+  return "index,stamp,label,outcome,place,place_label,best_guess,best_guess_label,posterior,similarity,inliers,"
+         "verdict,best_guess_verdict,error_places,ms,reason\n";
+}
+
+std::string LocalizeFigures::label(base::PlaceId place) const {
+  return place.valid() ? map_.place(place).createdLabel : std::string();
+}
+
+void LocalizeFigures::add(const types::FrameReport& report) {
+  evaluation::LocalisationResult result;
+  result.accepted = report.outcome == types::Outcome::kRecognised;
+  result.milliseconds = report.milliseconds;
+  Judgement guess;
+  if (truth_) {
+    result.answerable = truth_->answerable(report);
+    if (result.accepted) result.verdict = truth_->judge(map_, report, report.place, -1.0).verdict;
+    if (report.bestGuess.valid()) {
+      guess = truth_->judge(map_, report, report.bestGuess, report.bestGuessInterpolated);
+    } else if (result.answerable) {
+      guess.verdict = evaluation::Verdict::kWrong;  // an image without an answer is not right
+    }
+    result.bestGuess = guess.verdict;
+    result.error = guess.error;
+  }
+  results_.push_back(result);
+  accepted_ += result.accepted;
+  adapted_ += report.memory.longTerm + report.memory.shortTerm > 0;
+
+  const auto id = [](base::PlaceId p) { return p.valid() ? std::to_string(p.value) : std::string(); };
+  const types::Hypothesis best = report.hypotheses.empty() ? types::Hypothesis{} : report.hypotheses.front();
+  std::ostringstream line;
+  line << std::setprecision(15) << report.index << ',' << report.stamp << ',' << quoted(report.label) << ','
+       << types::toString(report.outcome) << ',' << id(report.place) << ',' << quoted(label(report.place)) << ','
+       << id(report.bestGuess) << ',' << quoted(label(report.bestGuess)) << ',' << std::setprecision(4)
+       << best.posterior << ',' << best.similarity << ',' << best.inliers << ',' << word(result.verdict) << ','
+       << word(result.bestGuess) << ',';
+  if (guess.error) line << *guess.error;
+  line << ',' << report.milliseconds << ',' << quoted(report.reason) << '\n';
+  csv_ += line.str();
+}
+
+int LocalizeFigures::withinF26() const {
+  const auto within = [](const auto& r) { return r.error && *r.error <= kRightPlaces; };
+  return static_cast<int>(std::count_if(results_.begin(), results_.end(), within));
+}
+
+nlohmann::json LocalizeFigures::toJson() const {
+  const evaluation::LocalisationScore s = evaluation::score(results_);
+  const auto spread = [](const evaluation::Percentiles& p) {
+    return nlohmann::json{{"mean", p.mean}, {"median", p.median}, {"p95", p.p95}, {"max", p.max}};
+  };
+  nlohmann::json j = {{"images", images()},
+                      {"queries", truth_ ? s.queries : images()},
+                      {"accepted", truth_ ? s.accepted : accepted_},
+                      {"adapted", adapted_},
+                      {"ms_per_image", spread(s.milliseconds)},
+                      {"peak_rss_bytes", peakResidentBytes()}};
+  for (const char* key : {"answerable", "right", "wrong", "best_guess_right", "within_1_25_places", "error_places"})
+    j[key] = nullptr;
+  if (!truth_) return j;
+  j["answerable"] = s.answerable;
+  j["right"] = s.right;
+  j["wrong"] = s.wrong;
+  j["best_guess_right"] = s.bestGuessRight;
+  if (truth_->hasPoses()) {
+    j["within_1_25_places"] = withinF26();
+    j["error_places"] = spread(s.error);
+  }
+  return j;
+}
+
+void LocalizeFigures::print(std::ostream& out) const {
+  const evaluation::LocalisationScore s = evaluation::score(results_);
+  out << images() << " images, " << accepted_ << " accepted";
+  if (adapted_ > 0) out << ", " << adapted_ << " learnt from";
+  out << "\n";
+  if (truth_) {
+    out << "  of " << s.queries << " with truth: " << s.accepted << " accepted, " << s.right << " right, " << s.wrong
+        << " wrong; best guess right " << s.bestGuessRight;
+    if (truth_->hasPoses()) out << "; within " << kRightPlaces << " places " << withinF26();
+    out << "\n";
+  }
+  out << std::fixed << std::setprecision(1) << "  " << s.milliseconds.mean << " ms per image (95 %: "
+      << s.milliseconds.p95 << ", max: " << s.milliseconds.max << ")\n";
+}
+
+}  // namespace engram::apps

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/apps/map_truth.h"
+#include "engram/evaluation/score.h"
+#include "engram/map/topological_map.h"
+#include "engram/types/frame_report.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace engram::apps {
+
+/// The answers of a localisation run, held against the truth where there is one.
+class LocalizeFigures {
+ public:
+  LocalizeFigures(const map::TopologicalMap& map, const MapTruth* truth) : map_(map), truth_(truth) {}
+
+  void add(const types::FrameReport& report);
+  int images() const { return static_cast<int>(results_.size()); }
+
+  /// One line an image: index, stamp, label, outcome, place and best guess with the images that made them,
+  /// posterior, similarity, inliers, verdicts, error [places], time [ms].
+  std::string csv() const { return csv_; }
+  static std::string csvHeader();
+
+  /// Keys: images, queries, answerable, accepted, right, wrong, best_guess_right, within_1_25_places,
+  /// error_places {mean, median, p95, max}, adapted, ms_per_image {mean, median, p95, max}, peak_rss_bytes.
+  /// Verdicts are null without truth.
+  nlohmann::json toJson() const;
+  void print(std::ostream& out) const;
+
+ private:
+  std::string label(base::PlaceId place) const;
+  int withinF26() const;
+
+  const map::TopologicalMap& map_;
+  const MapTruth* truth_;
+  std::vector<evaluation::LocalisationResult> results_;
+  int accepted_ = 0, adapted_ = 0;
+  std::string csv_ = csvHeader();
+};
+
+}  // namespace engram::apps

@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "localize_program.h"
+
+#include "engram/base/error.h"
+#include "engram/base/interrupt.h"
+#include "engram/base/progress.h"
+#include "engram/pipeline/localizer.h"
+#include "engram/store/map_file.h"
+#include "engram/store/report_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <ostream>
+
+namespace engram::apps {
+namespace fs = std::filesystem;
+
+std::string LocalizeProgram::description() const {
+  return "Says where the images of a rawlog were taken in a map. The map does not change, unless --adapt lets its places "
+         "learn from what they are verified to look like.";
+}
+
+std::string LocalizeProgram::examples() const {
+  return "  engram-localize config/fsh_omni.ini --map office.engram --rawlog day3.rawlog --out day3.csv\n"
+         "  engram-localize config/fsh_omni.ini --map office.engram --rawlog day3.rawlog --adapt\n"
+         "  engram-localize config/fsh_omni.ini --map office.engram --rawlog test.rawlog --truth test.truth.tum\n"
+         "  engram-localize config/fsh_mono.ini --map left.engram --rawlog right.rawlog --truth truth.csv\n";
+}
+
+void LocalizeProgram::declare(CLI::App& app) {
+  config_.declare(app);
+  app.add_option("--map", map_, "Map made by engram-slam");
+  app.add_option("--rawlog", rawlog_, "Rawlog with images, and odometry if there is any");
+  app.add_flag("--adapt", adapt_, "Let recognised places learn; the map file is changed");
+  app.add_flag("--global", global_, "Forget the belief before every image: global localisation of single images");
+  app.add_option("--truth", truth_,
+                 "Ground truth: query,first,last | image,matches | a,b links | TUM poses of this drive");
+  app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images, links or places");
+  app.add_option("--truth-radius", truthRadius_, "With TUM truth, places this near are right too [m]");
+  app.add_option("--out", csv_, "File for one line an image (.csv)");
+  app.add_option("--report", report_, "Folder for the record of every image and the summary");
+  app.add_option("--json", json_, "File for the final figures");
+  app.add_flag("--overwrite", overwrite_, "Replace existing output files");
+  app.add_flag("-q,--quiet", quiet_, "No progress, no summary");
+}
+
+int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
+  if (config_.load(out)) return kOk;
+  if (map_.empty() || rawlog_.empty()) throw base::Error("--map and --rawlog are both needed");
+  if (!overwrite_ && !csv_.empty() && fs::exists(csv_))
+    throw base::Error(csv_ + " exists; give --overwrite to replace it");
+
+  store::MapFile file =
+      store::MapFile::open(map_, adapt_ ? store::Access::kReadWrite : store::Access::kReadOnly);
+  const auto source = sources::openRawlog(rawlog_, config_.source);
+  pipeline::Localizer localizer(config_.pipeline, file.load(), adapt_);
+  std::optional<MapTruth> truth;
+  if (!truth_.empty()) {
+    truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
+    truth->readPlaces(localizer.map());
+  }
+
+  LocalizeFigures figures(localizer.map(), truth ? &*truth : nullptr);
+  std::string records;
+  base::Progress progress(quiet_ ? nullptr : &err, "localising");
+  while (!base::interrupted()) {
+    const auto frame = source->next();
+    if (!frame) break;
+    if (global_) localizer.restart();
+    const types::FrameReport report = localizer.process(*frame);
+    if (figures.images() == 0) store::requireCompatible(file.header(), localizer.header(), map_);
+    if (adapt_) file.commit(localizer.map(), localizer.map().takeChanges(), &report);
+    figures.add(report);
+    if (!report_.empty()) records += store::toJson(report) + "\n";
+    progress.update(source->progress(), static_cast<std::size_t>(figures.images()));
+  }
+  progress.finish();
+  if (adapt_) file.close();
+  return conclude(figures, records, *source, out, err);
+}
+
+int LocalizeProgram::conclude(const LocalizeFigures& figures, const std::string& records,
+                              const sources::FrameSource& source, std::ostream& out, std::ostream& err) const {
+  const std::string problem = source.problem();
+  if (figures.images() == 0 && !base::interrupted())
+    throw base::Error(problem.empty() ? rawlog_ + " holds no images" : problem);
+  if (!csv_.empty()) writeFileAtomically(csv_, figures.csv());
+  if (!report_.empty()) {
+    fs::create_directories(report_);
+    writeFileAtomically((fs::path(report_) / "images.jsonl").string(), records);
+  }
+  writeJson(json_, figures.toJson());
+  if (!quiet_) figures.print(out);
+  if (!problem.empty()) err << name() << ": " << problem << "\n";
+  if (base::interrupted()) err << name() << ": interrupted; the results hold every image up to here\n";
+  return problem.empty() && !base::interrupted() ? kOk : kPartial;
+}
+
+}  // namespace engram::apps

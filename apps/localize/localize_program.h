@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "localize_figures.h"
+
+#include "engram/apps/program.h"
+#include "engram/apps/run_config.h"
+
+#include <string>
+
+namespace engram::apps {
+
+/// engram-localize: says where the images of a rawlog were taken in a map.
+class LocalizeProgram : public Program {
+ public:
+  std::string name() const override { return "engram-localize"; }
+  std::string description() const override;
+  std::string examples() const override;
+  void declare(CLI::App& app) override;
+  int run(std::ostream& out, std::ostream& err) override;
+
+ private:
+  int conclude(const LocalizeFigures& figures, const std::string& records, const sources::FrameSource& source,
+               std::ostream& out, std::ostream& err) const;
+
+  RunConfig config_;
+  std::string rawlog_, map_, truth_, csv_, report_, json_;
+  double truthRadius_ = 1.0;
+  int truthMargin_ = 0;
+  bool adapt_ = false, overwrite_ = false, quiet_ = false, global_ = false;
+};
+
+}  // namespace engram::apps

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam_figures.h"
+
+#include "engram/evaluation/score.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <iomanip>
+#include <ostream>
+
+namespace engram::apps {
+
+void SlamFigures::add(const types::FrameReport& report, const map::TopologicalMap& map, const MapTruth* truth) {
+  milliseconds_.push_back(report.milliseconds);
+  recognised_ += report.outcome == types::Outcome::kRecognised;
+  made_ += report.outcome == types::Outcome::kNewPlace;
+  refused_ += report.outcome == types::Outcome::kRefused;
+  unusable_ += report.outcome == types::Outcome::kUnusable;
+  hasTruth_ = truth != nullptr;
+  if (!report.closure) return;
+  const auto verdict =
+      truth ? truth->judgeClosure(map, report, report.place) : evaluation::Verdict::kUnknown;
+  closures_.push_back({report.index, report.label, report.place, map.place(report.place).createdLabel, verdict});
+}
+
+nlohmann::json SlamFigures::toJson(const map::TopologicalMap& map, std::uint64_t mapBytes,
+                                   std::uint64_t peakRss) const {
+  nlohmann::json closures = nlohmann::json::array();
+  int falseClosures = 0;
+  for (const auto& c : closures_) {
+    falseClosures += c.verdict == evaluation::Verdict::kWrong;
+    nlohmann::json right = nullptr;
+    if (c.verdict != evaluation::Verdict::kUnknown) right = c.verdict == evaluation::Verdict::kRight;
+    closures.push_back({{"index", c.index},
+                        {"label", c.label},
+                        {"place", c.place.value},
+                        {"place_label", c.placeLabel},
+                        {"right", right}});
+  }
+  const evaluation::Percentiles ms = evaluation::percentiles(milliseconds_);
+  const auto places = map.places().size();
+  return {{"images", images()},
+          {"keyframes", recognised_ + made_ + refused_},
+          {"new_places", made_},
+          {"recognised", recognised_},
+          {"refused", refused_},
+          {"unusable", unusable_},
+          {"places", places},
+          {"views", map.views().size()},
+          {"edges", map.edges().size()},
+          {"closures", closures_.size()},
+          {"false_closures", hasTruth_ ? nlohmann::json(falseClosures) : nlohmann::json(nullptr)},
+          {"closure_list", closures},
+          {"ate_m", ate_ ? nlohmann::json(*ate_) : nlohmann::json(nullptr)},
+          {"map_bytes", mapBytes},
+          {"bytes_per_place", mapBytes / std::max<std::size_t>(1, places)},
+          {"ms_per_image", {{"mean", ms.mean}, {"median", ms.median}, {"p95", ms.p95}, {"max", ms.max}}},
+          {"peak_rss_bytes", peakRss}};
+}
+
+void SlamFigures::print(std::ostream& out, const map::TopologicalMap& map, const std::string& path,
+                        std::uint64_t mapBytes) const {
+  const evaluation::Percentiles ms = evaluation::percentiles(milliseconds_);
+  const auto isFalse = [](const Closure& c) { return c.verdict == evaluation::Verdict::kWrong; };
+  out << path << ": " << map.places().size() << " places, " << map.views().size() << " views, " << map.edges().size()
+      << " edges, " << (mapBytes + 512) / 1024 << " KiB\n"
+      << "  this drive: " << images() << " images, " << made_ << " new places, " << recognised_ << " recognised, "
+      << refused_ << " refused, " << unusable_ << " unusable, " << closures_.size() << " closures";
+  if (hasTruth_) out << " (" << std::count_if(closures_.begin(), closures_.end(), isFalse) << " false)";
+  out << std::fixed << std::setprecision(1) << "\n  " << ms.mean << " ms per image (95 %: " << ms.p95
+      << ", max: " << ms.max << ")";
+  if (ate_) out << std::setprecision(3) << ", trajectory error " << *ate_ << " m (rms)";
+  out << "\n";
+}
+
+}  // namespace engram::apps

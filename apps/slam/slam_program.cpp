@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam_program.h"
+
+#include "engram/base/error.h"
+#include "engram/base/interrupt.h"
+#include "engram/base/progress.h"
+#include "engram/store/report_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <ostream>
+
+namespace engram::apps {
+namespace fs = std::filesystem;
+
+std::string SlamProgram::description() const {
+  return "Builds a topological map that remembers and forgets, or extends one, from the images of a rawlog.";
+}
+
+std::string SlamProgram::examples() const {
+  return "  engram-slam config/fsh_omni.ini --rawlog day1.rawlog --map office.engram\n"
+         "  engram-slam config/fsh_omni.ini --rawlog day2.rawlog --map office.engram --extend\n"
+         "  engram-slam config/fsh_mono.ini --rawlog walk.rawlog --set extractor.extractor=akaze\n"
+         "  engram-slam config/fsh_omni.ini --dump-config\n";
+}
+
+void SlamProgram::declare(CLI::App& app) {
+  config_.declare(app);
+  app.add_option("--rawlog", rawlog_, "Rawlog with images, and odometry if there is any");
+  app.add_option("--map", map_, "Map file to write (default: the rawlog's name with .engram)");
+  const auto overwrite = app.add_flag("--overwrite", overwrite_, "Replace an existing map");
+  app.add_flag("--extend", extend_, "Go on with an existing map: wake up in it, update and enlarge it")
+      ->excludes(overwrite);
+  app.add_option("--report", report_, "Folder for summary, scene, graph, trajectory and the record of every image");
+  app.add_option("--truth", truth_, "Ground truth, to count false closures and measure the trajectory");
+  app.add_option("--truth-radius", truthRadius_, "A closure over more than this is false, with TUM truth [m]");
+  app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images or links");
+  app.add_option("--json", json_, "File for the final figures");
+  app.add_flag("-q,--quiet", quiet_, "No progress, no summary");
+}
+
+std::string SlamProgram::mapPath() const {
+  return map_.empty() ? fs::path(rawlog_).replace_extension(".engram").string() : map_;
+}
+
+int SlamProgram::run(std::ostream& out, std::ostream& err) {
+  if (config_.load(out)) return kOk;
+  if (rawlog_.empty()) throw base::Error("--rawlog is missing: which images shall be mapped?");
+  const std::string path = mapPath();
+  if (!extend_ && !overwrite_ && fs::exists(path))
+    throw base::Error(path + " exists; give --overwrite to replace it or --extend to go on with it");
+  if (!report_.empty()) fs::create_directories(report_);
+
+  const auto source = sources::openRawlog(rawlog_, config_.source);
+  std::optional<MapTruth> truth;
+  if (!truth_.empty()) truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
+  std::optional<store::MapFile> file;
+  if (extend_) file = store::MapFile::open(path, store::Access::kReadWrite);
+  pipeline::Mapper mapper(config_.pipeline, file ? file->load() : map::TopologicalMap{});
+
+  SlamFigures figures;
+  base::Progress progress(quiet_ ? nullptr : &err, "mapping");
+  while (!base::interrupted()) {
+    const auto frame = source->next();
+    if (!frame) break;
+    const types::FrameReport report = mapper.process(*frame);
+    if (truth) truth->survey(mapper.map(), report);
+    if (figures.images() == 0) openMap(file, path, mapper, *frame);
+    file->commit(mapper.map(), mapper.map().takeChanges(), &report);
+    figures.add(report, mapper.map(), truth ? &*truth : nullptr);
+    progress.update(source->progress(), static_cast<std::size_t>(figures.images()));
+  }
+  progress.finish();
+  if (figures.images() == 0) {
+    if (base::interrupted()) return kPartial;
+    throw base::Error(source->problem().empty() ? rawlog_ + " holds no images" : source->problem());
+  }
+  mapper.finish();
+  file->commit(mapper.map(), mapper.map().takeChanges());
+  return conclude(*file, mapper, figures, truth ? &*truth : nullptr, *source, out, err);
+}
+
+/// Creates the map file, or checks that the existing one was made with this camera, extractor and memory.
+void SlamProgram::openMap(std::optional<store::MapFile>& file, const std::string& path,
+                          const pipeline::Mapper& mapper, const types::Frame& first) {
+  map::MapHeader header = mapper.header();
+  header.parameters = config_.dump();
+  header.firstStamp = first.stamp;
+  if (file)
+    store::requireCompatible(file->header(), header, path);
+  else
+    file = store::MapFile::create(path, header, overwrite_);
+}
+
+int SlamProgram::conclude(store::MapFile& file, const pipeline::Mapper& mapper, SlamFigures& figures,
+                          const MapTruth* truth, const sources::FrameSource& source, std::ostream& out,
+                          std::ostream& err) {
+  const map::TopologicalMap& map = mapper.map();
+  if (truth && truth->hasPoses()) figures.setTrajectoryError(trajectoryError(map, mapper.session(), truth->poses()));
+  file.close();
+  const auto bytes = fs::file_size(file.path());
+  if (!report_.empty()) writeReport(file, map);
+  writeJson(json_, figures.toJson(map, bytes, peakResidentBytes()));
+  if (!quiet_) figures.print(out, map, file.path(), bytes);
+
+  const std::string problem = source.problem();
+  if (!problem.empty()) err << name() << ": " << problem << "\n";
+  if (base::interrupted()) err << name() << ": interrupted; the map holds every image up to here\n";
+  return problem.empty() && !base::interrupted() ? kOk : kPartial;
+}
+
+/// Everything a person may want to open, in one folder.
+void SlamProgram::writeReport(const store::MapFile& file, const map::TopologicalMap& map) const {
+  const fs::path folder = report_;
+  std::string records;
+  for (const auto& report : file.records()) records += store::toJson(report) + "\n";
+  writeFileAtomically((folder / "images.jsonl").string(), records);
+  (void)map;
+}
+
+}  // namespace engram::apps

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "slam_figures.h"
+
+#include "engram/apps/map_truth.h"
+#include "engram/apps/program.h"
+#include "engram/apps/run_config.h"
+#include "engram/pipeline/mapper.h"
+#include "engram/store/map_file.h"
+
+#include <optional>
+#include <string>
+
+namespace engram::apps {
+
+/// engram-slam: builds or extends a map from a rawlog.
+class SlamProgram : public Program {
+ public:
+  std::string name() const override { return "engram-slam"; }
+  std::string description() const override;
+  std::string examples() const override;
+  void declare(CLI::App& app) override;
+  int run(std::ostream& out, std::ostream& err) override;
+
+ private:
+  std::string mapPath() const;
+  void openMap(std::optional<store::MapFile>& file, const std::string& path, const pipeline::Mapper& mapper,
+               const types::Frame& first);
+  int conclude(store::MapFile& file, const pipeline::Mapper& mapper, SlamFigures& figures, const MapTruth* truth,
+               const sources::FrameSource& source, std::ostream& out, std::ostream& err);
+  void writeReport(const store::MapFile& file, const map::TopologicalMap& map) const;
+
+  RunConfig config_;
+  std::string rawlog_, map_, report_, truth_, json_;
+  double truthRadius_ = 2.0;
+  int truthMargin_ = 0;
+  bool overwrite_ = false, extend_ = false, quiet_ = false;
+};
+
+}  // namespace engram::apps
