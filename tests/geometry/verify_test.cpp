@@ -88,6 +88,23 @@ TEST(VerifyPlanarThenEssential, FallsBackForFreeMotion) {
   EXPECT_LT(planar.medianError, 1.5);
 }
 
+TEST(VerifyPlanarThenEssential, FollowsATiltedCameraAmongManyOutliers) {
+  VerifyParams params;
+  params.model = "planar_then_essential";
+  base::Rng rng(18);
+  int accepted = 0;
+  for (int i = 0; i < 50; ++i) {
+    Scene scene = makeScene({.inlierShare = 0.35, .sigma = deg(0.2)}, rng);
+    const Eigen::Matrix3d tilt =
+        Eigen::AngleAxisd(deg(5), kUp.cross(randomUnit(rng)).normalized()).toRotationMatrix();
+    for (auto& pair : scene.pairs) pair.b = tilt.transpose() * pair.b;
+    scene.truth.R_a_b = scene.truth.R_a_b * tilt;
+    const Verification v = check(scene, params);
+    accepted += v.ok() && v.inliers.size() > 50;
+  }
+  EXPECT_GE(accepted, 46);
+}
+
 TEST(Verify, WorksWithAnyUpAxis) {
   base::Rng rng(5);
   for (int i = 0; i < 30; ++i) {

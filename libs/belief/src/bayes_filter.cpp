@@ -104,26 +104,32 @@ BayesFilter::Layers BayesFilter::chooseSteps(const MotionHint& hint) const {
   return next;
 }
 
-/// Moves along the chain by step k; a step between two whole ones goes to both, in proportion. What is past
-/// the end of the chain, and the share that moves blindly in any case, is added to `blind`.
-void BayesFilter::moveAlong(const Adjacency& adjacency, std::size_t k, const std::vector<double>& from,
-                            std::vector<double>& to, std::vector<double>& blind) const {
-  const double step = stepSize(k);
-  const int whole = static_cast<int>(std::floor(step));
-  const double part = step - whole;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const double steered = (1.0 - params_.advance_blind) * from[i];
-    blind[i] += from[i] - steered;
-    const auto go = [&](int steps, double mass) {
-      const int place = adjacency.along(static_cast<int>(i), steps);
-      if (place >= 0)
-        to[static_cast<std::size_t>(place)] += mass;
-      else
-        blind[i] += mass;
-    };
-    go(whole, (1.0 - part) * steered);
-    if (part > 0) go(whole + 1, part * steered);
+/// Moves every layer along the chain by its step; a step between two whole ones goes to both, in proportion.
+/// What is past the end of the chain, and the share that moves blindly in any case, is returned.
+std::vector<double> BayesFilter::moveAlong(const Adjacency& adjacency, const Layers& from, Layers& to) const {
+  const std::size_t n = adjacency.size();
+  const int furthest = params_.advance_max + 1;
+  std::vector<std::vector<int>> reached;  // the place that each whole step leads to
+  for (int step = -furthest; step <= furthest; ++step) {
+    auto& places = reached.emplace_back(n);
+    for (std::size_t i = 0; i < n; ++i) places[i] = adjacency.along(static_cast<int>(i), step);
   }
+  std::vector<double> blind(n, 0.0);
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    const int whole = static_cast<int>(std::floor(stepSize(k)));
+    const double part = stepSize(k) - whole;
+    for (const int step : {whole, whole + 1}) {
+      const double share = step == whole ? 1.0 - part : part;
+      const int row = step + furthest;
+      const auto& places = reached[static_cast<std::size_t>(row)];
+      for (std::size_t i = 0; share > 0 && i < n; ++i) {
+        const double steered = places[i] < 0 ? 0.0 : (1.0 - params_.advance_blind) * share * from[k][i];
+        if (places[i] >= 0) to[k][static_cast<std::size_t>(places[i])] += steered;
+        blind[i] += share * from[k][i] - steered;
+      }
+    }
+  }
+  return blind;
 }
 
 /// F eq (7), Gaussian on hops: see F-E2. Each row of the transition is normalised. Adds to `to`.
@@ -165,12 +171,7 @@ void BayesFilter::predict(const Adjacency& adjacency, const MotionHint& hint) {
   if (n == 0) return;
   learnSteps();
   Layers moved(joint_.size(), std::vector<double>(n, 0.0));
-  std::vector<double> blind = belief_.places;
-  if (!steps_.empty()) {
-    std::fill(blind.begin(), blind.end(), 0.0);
-    const Layers chosen = chooseSteps(hint);
-    for (std::size_t k = 0; k < chosen.size(); ++k) moveAlong(adjacency, k, chosen[k], moved[k], blind);
-  }
+  const auto blind = steps_.empty() ? belief_.places : moveAlong(adjacency, chooseSteps(hint), moved);
   moveBlindly(adjacency, blind, hint, moved);
 
   const double wasNew = belief_.newPlace, known = 1.0 - wasNew;

@@ -30,7 +30,7 @@ bool InlierTest::operator()(const Eigen::Matrix3d& E, const BearingPair& pair) c
     const Eigen::Matrix3d C = epipolarConic(planeOfB.normalized(), xi);
     return conicDistance(C, toNormalisedPlane(pair.a, xi)) <= maxConicDistance;
   }
-  const double sine = std::sin(maxAngle), e = pair.a.dot(planeOfB);
+  const double e = pair.a.dot(planeOfB);
   if (!(e * e <= sine * sine * planeOfB.squaredNorm())) return false;
   return e * e <= sine * sine * (E.transpose() * pair.a).squaredNorm();
 }
@@ -69,7 +69,7 @@ int PlanarProblem::countInliers(const Model& model) const {
   if (test_.conic) return countOneByOne(pairs_, essentialOf(poseInCamera(model)), test_);
   const auto cd = static_cast<float>(model.cosDirection), sd = static_cast<float>(model.sinDirection);
   const auto cb = static_cast<float>(model.cosBack), sb = static_cast<float>(model.sinBack);
-  const auto limit = static_cast<float>(std::sin(test_.maxAngle) * std::sin(test_.maxAngle));
+  const auto limit = static_cast<float>(test_.sine * test_.sine);
   const float *ax = arrays_.ax.data(), *ay = arrays_.ay.data(), *az = arrays_.az.data();
   const float *bx = arrays_.bx.data(), *by = arrays_.by.data(), *bz = arrays_.bz.data();
   int count = 0;
@@ -100,7 +100,7 @@ int EssentialProblem::countInliers(const Model& model) const {
   const Eigen::Matrix3f E = model.cast<float>();
   const float e00 = E(0, 0), e01 = E(0, 1), e02 = E(0, 2), e10 = E(1, 0), e11 = E(1, 1), e12 = E(1, 2),
               e20 = E(2, 0), e21 = E(2, 1), e22 = E(2, 2);
-  const auto limit = static_cast<float>(std::sin(test_.maxAngle) * std::sin(test_.maxAngle));
+  const auto limit = static_cast<float>(test_.sine * test_.sine);
   const float *ax = arrays_.ax.data(), *ay = arrays_.ay.data(), *az = arrays_.az.data();
   const float *bx = arrays_.bx.data(), *by = arrays_.by.data(), *bz = arrays_.bz.data();
   int count = 0;

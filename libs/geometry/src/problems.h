@@ -11,9 +11,9 @@ namespace engram::geometry {
 
 /// When a pair of rays agrees with an essential matrix.
 struct InlierTest {
-  double maxAngle = 0;  ///< [rad] between a ray and the epipolar plane of its partner
-  bool conic = false;   ///< F eq (1) instead: distance of a from the conic of b, in the normalised plane
-  double xi = 1;        ///< mirror parameter of the conic
+  double sine = 0;     ///< of the largest angle between a ray and the epipolar plane of its partner
+  bool conic = false;  ///< F eq (1) instead: distance of a from the conic of b, in the normalised plane
+  double xi = 1;       ///< mirror parameter of the conic
   double maxConicDistance = 0;  ///< [px / focal length]
 
   bool operator()(const Eigen::Matrix3d& E_a_b, const BearingPair& pair) const;

@@ -113,7 +113,7 @@ TwoViewEstimate minimise(std::span<const BearingPair> pairs, TwoViewPose pose, i
       if (damping > 1e6 || step.norm() < 1e-9) break;
       continue;
     }
-    const bool converged = current - value < 1e-9 * current || step.norm() < 1e-7;
+    const bool converged = current - value < 1e-6 * current || step.norm() < 1e-7;
     pose = next;
     current = value;
     damping = std::max(1e-9, damping * 0.1);

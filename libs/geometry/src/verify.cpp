@@ -18,7 +18,11 @@ namespace engram::geometry {
 namespace {
 
 constexpr double kNoiseFloor = 1e-4;  // [rad]; bearings are never better than this
-constexpr std::size_t kShuffledPairs = 4000;
+constexpr std::size_t kShuffledPairs = 2000;
+constexpr double kClearlyMore = 1.25;  // inliers; three more degrees of freedom win some by accident
+constexpr double kWide = 5;  // factor on the inlier bounds for motion that is planar but for some tilt
+
+enum class Search { kPlanar, kNearlyPlanar, kFree };
 
 struct Candidate {
   bool found = false;
@@ -34,10 +38,10 @@ class Verifier {
       : pairs_(std::move(pairs)),
         up_(up),
         params_(params),
-        test_{params.max_angle, params.residual == "conic", params.conic_xi, params.max_conic_distance},
-        sine_(std::sin(params.max_angle)) {}
+        test_{std::sin(params.max_angle), params.residual == "conic", params.conic_xi,
+              params.max_conic_distance} {}
 
-  Verification run(bool planar) const;
+  Verification search() const;
 
  private:
   RansacParams ransacParams() const {
@@ -49,7 +53,10 @@ class Verifier {
   std::vector<BearingPair> select(std::span<const int> indices) const;
   bool informative(const BearingPair& pair, bool planar) const;
   std::vector<int> inliersOf(const TwoViewPose& pose) const;
+  Verification run(Search search) const;
+  Candidate propose(Search search) const;
   Candidate searchPlanar() const;
+  Candidate searchNearlyPlanar() const;
   Candidate searchEssential() const;
   void polish(Candidate& candidate, bool planar) const;
   void dropInsignificantTranslation(Candidate& candidate, bool planar) const;
@@ -60,7 +67,6 @@ class Verifier {
   Eigen::Vector3d up_;
   const VerifyParams& params_;
   InlierTest test_;
-  double sine_;
 };
 
 std::vector<BearingPair> Verifier::select(std::span<const int> indices) const {
@@ -72,14 +78,14 @@ std::vector<BearingPair> Verifier::select(std::span<const int> indices) const {
 
 /// A pair on the horizon agrees with every planar motion, so it can neither propose nor support one.
 bool Verifier::informative(const BearingPair& pair, bool planar) const {
-  return !planar || std::max(std::abs(pair.a.dot(up_)), std::abs(pair.b.dot(up_))) > sine_;
+  return !planar || std::max(std::abs(pair.a.dot(up_)), std::abs(pair.b.dot(up_))) > test_.sine;
 }
 
 std::vector<int> Verifier::inliersOf(const TwoViewPose& pose) const {
   const Eigen::Matrix3d E = essentialOf(pose);
   std::vector<int> out;
   for (std::size_t i = 0; i < pairs_.size(); ++i)
-    if (test_(E, pairs_[i]) && inFront(pose, pairs_[i], sine_)) out.push_back(static_cast<int>(i));
+    if (test_(E, pairs_[i]) && inFront(pose, pairs_[i], test_.sine)) out.push_back(static_cast<int>(i));
   return out;
 }
 
@@ -109,6 +115,23 @@ Candidate Verifier::searchPlanar() const {
   return out;
 }
 
+/// A camera in a hand, or a robot on a ramp: planar motion within a wider angle leads to the free motion,
+/// with two pairs a sample instead of eight.
+Candidate Verifier::searchNearlyPlanar() const {
+  Verifier wide = *this;
+  wide.test_.sine *= kWide;
+  wide.test_.maxConicDistance *= kWide;
+  Candidate out = wide.searchPlanar();
+  for (const double width : {kWide, 0.6 * kWide, 0.3 * kWide, 1.0}) {
+    if (out.inliers.size() < 6) break;
+    out.estimate = refine(select(out.inliers), out.estimate.pose, std::nullopt);
+    wide.test_.sine = width * test_.sine;
+    wide.test_.maxConicDistance = width * test_.maxConicDistance;
+    out.inliers = wide.inliersOf(out.estimate.pose);
+  }
+  return out;
+}
+
 Candidate Verifier::searchEssential() const {
   const EssentialProblem problem(pairs_, test_);
   const auto best = ransac(problem, ransacParams());
@@ -130,7 +153,7 @@ Candidate Verifier::searchEssential() const {
 void Verifier::polish(Candidate& candidate, bool planar) const {
   const std::size_t minimum = planar ? 2 : 5;
   for (int round = 0; round < 5 && candidate.inliers.size() > minimum; ++round) {
-    const auto estimate = refine(select(candidate.inliers), candidate.estimate.pose, upOf(planar));
+    const auto estimate = refine(select(candidate.inliers), candidate.estimate.pose, upOf(planar), 4);
     auto inliers = inliersOf(estimate.pose);
     const bool settled = inliers == candidate.inliers;
     if (round > 0 && !settled && inliers.size() <= candidate.inliers.size()) break;
@@ -174,7 +197,7 @@ double Verifier::accidentalAgreement(const TwoViewPose& pose, bool planar) const
       const BearingPair pair{pairs_[i].a, pairs_[(i + shift) % n].b};
       if (!informative(pair, planar)) continue;
       ++tried;
-      agreed += test_(E, pair) && inFront(pose, pair, sine_);
+      agreed += test_(E, pair) && inFront(pose, pair, test_.sine);
     }
   }
   return (agreed + std::sqrt(agreed) + 1) / (tried + 1.0);  // one standard deviation on the safe side
@@ -188,11 +211,40 @@ double Verifier::log10Nfa(const TwoViewPose& pose, std::span<const int> inliers,
   return log10FalseAlarms(n, k, accidentalAgreement(pose, planar), planar ? 2 : 5, planar ? 4 : 20);
 }
 
-Verification Verifier::run(bool planar) const {
+/// Planar motion may pass with a part of the inliers when the camera tilts: the free motion replaces it when
+/// it explains clearly more.
+Verification Verifier::search() const {
+  Verification out = run(params_.model == "essential" ? Search::kFree : Search::kPlanar);
+  if (params_.model != "planar_then_essential") return out;
+  const auto explainsMore = [&out](const Verification& other) {
+    return static_cast<double>(other.inliers.size()) > kClearlyMore * static_cast<double>(out.inliers.size());
+  };
+  Verification tilted = run(Search::kNearlyPlanar);
+  if (tilted.ok() ? !out.ok() || explainsMore(tilted) : !out.ok() && explainsMore(tilted))
+    out = std::move(tilted);
+  if (out.ok()) return out;
+  Verification free = run(Search::kFree);
+  return free.ok() || explainsMore(free) ? free : out;
+}
+
+Candidate Verifier::propose(Search search) const {
+  switch (search) {
+    case Search::kPlanar:
+      return searchPlanar();
+    case Search::kNearlyPlanar:
+      return searchNearlyPlanar();
+    case Search::kFree:
+      break;
+  }
+  return searchEssential();
+}
+
+Verification Verifier::run(Search search) const {
   Verification out;
+  const bool planar = search == Search::kPlanar;
   const int n = static_cast<int>(pairs_.size());
   if (n < std::max(params_.min_inliers, planar ? 3 : 8)) return out;
-  Candidate candidate = planar ? searchPlanar() : searchEssential();
+  Candidate candidate = propose(search);
   out.iterations = candidate.iterations;
   out.reason = Reason::kDegenerate;
   if (!candidate.found) return out;
@@ -277,11 +329,7 @@ Verification verify(const types::Features& a, const types::Features& b, std::spa
     index.push_back(static_cast<int>(i));
   }
   const Verifier verifier(std::move(pairs), up_cam.normalized(), params);
-  Verification out = verifier.run(params.model != "essential");
-  if (!out.ok() && params.model == "planar_then_essential") {
-    Verification general = verifier.run(false);
-    if (general.ok() || general.inliers.size() > out.inliers.size()) out = std::move(general);
-  }
+  Verification out = verifier.search();
   for (int& i : out.inliers) i = index[static_cast<std::size_t>(i)];
   return out;
 }

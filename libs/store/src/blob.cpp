@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "blob.h"
 
+#include <algorithm>
 #include <zlib.h>
 
 namespace engram::store {
 namespace {
 
-constexpr std::size_t kCrcBytes = 4;
+constexpr std::size_t kKindBytes = 2, kCrcBytes = 4;
 
 std::uint32_t rowChecksum(std::span<const std::uint8_t> bytes, std::uint64_t rowId) {
   const uLong key = crc32(0, reinterpret_cast<const Bytef*>(&rowId), sizeof rowId);
@@ -31,6 +32,36 @@ void BlobWriter::varint(std::uint64_t value) {
   bytes_.push_back(static_cast<std::uint8_t>(value));
 }
 
+void BlobWriter::compress() {
+  // Descriptors do not repeat, so a search for matches would only cost time.
+  z_stream stream{};
+  deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, 15, 8, Z_HUFFMAN_ONLY);
+  Blob packed(kKindBytes + sizeof(std::uint32_t) + deflateBound(&stream, bytes_.size()));
+  std::copy_n(bytes_.begin(), kKindBytes, packed.begin());
+  const auto size = static_cast<std::uint32_t>(bytes_.size() - kKindBytes);
+  std::memcpy(packed.data() + kKindBytes, &size, sizeof size);
+  stream.next_in = bytes_.data() + kKindBytes;
+  stream.avail_in = size;
+  stream.next_out = packed.data() + kKindBytes + sizeof size;
+  stream.avail_out = static_cast<uInt>(packed.size() - kKindBytes - sizeof size);
+  const int result = deflate(&stream, Z_FINISH);
+  packed.resize(packed.size() - stream.avail_out);
+  deflateEnd(&stream);
+  if (result != Z_STREAM_END) throw base::Error("a row cannot be compressed: out of memory?");
+  bytes_ = std::move(packed);
+}
+
+void BlobReader::decompress() {
+  const auto size = get<std::uint32_t>();
+  // Huffman codes are at least one bit long, so a larger size is a false one.
+  if (size / 8 > rest_.size()) throw base::Error("a compressed row has a false size");
+  decompressed_.resize(size);
+  uLongf length = size;
+  if (uncompress(decompressed_.data(), &length, rest_.data(), rest_.size()) != Z_OK || length != size)
+    throw base::Error("a compressed row cannot be read");
+  rest_ = decompressed_;
+}
+
 Blob BlobWriter::seal(std::uint64_t rowId) && {
   put(rowChecksum(bytes_, rowId));
   return std::move(bytes_);
@@ -38,14 +69,14 @@ Blob BlobWriter::seal(std::uint64_t rowId) && {
 
 BlobReader::BlobReader(std::span<const std::uint8_t> sealed, RowKind kind, std::uint8_t newestVersion,
                        std::uint64_t rowId) {
-  if (sealed.size() < 2 + kCrcBytes) tooShort();
+  if (sealed.size() < kKindBytes + kCrcBytes) tooShort();
   const auto content = sealed.first(sealed.size() - kCrcBytes);
   std::uint32_t crc = 0;
   std::memcpy(&crc, sealed.data() + content.size(), kCrcBytes);
   if (crc != rowChecksum(content, rowId)) throw base::Error("its checksum is wrong");
   if (content[0] != static_cast<std::uint8_t>(kind)) throw base::Error("it is a row of another kind");
   if (content[1] > newestVersion) throw base::Error("it was written by a newer version of Engram");
-  rest_ = content.subspan(2);
+  rest_ = content.subspan(kKindBytes);
 }
 
 void BlobReader::raw(void* data, std::size_t size) {

@@ -53,6 +53,10 @@ class BlobWriter {
     raw(s.data(), s.size());
   }
   void varint(std::uint64_t value);
+  std::size_t size() const { return bytes_.size(); }
+
+  /// Huffman-codes everything after kind and version. Lossless; numbers of one kind should stand together.
+  void compress();
 
   /// Appends the checksum over the content and the key of the row, so that swapped rows are found too.
   Blob seal(std::uint64_t rowId) &&;
@@ -83,8 +87,12 @@ class BlobReader {
   void require(std::size_t size) const;
   void requireEnd() const;
 
+  /// Undoes BlobWriter::compress(); call it first.
+  void decompress();
+
  private:
   std::span<const std::uint8_t> rest_;
+  Blob decompressed_;
 };
 
 }  // namespace engram::store

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "codec.h"
 
-#include <algorithm>
+#include <type_traits>
 
 namespace engram::store {
 namespace {
@@ -21,15 +21,33 @@ Eigen::Isometry3d getPose(BlobReader& in) {
   return T;
 }
 
-/// One field of all items after another.
+/// One field of all items after another, first the lowest byte of all, last the highest: like bytes stand
+/// together, which is what compression needs.
 template <class Items, class Get>
 void putColumn(BlobWriter& out, const Items& items, Get&& get) {
-  for (const auto& item : items) out.put(get(item));
+  using T = std::invoke_result_t<Get, decltype(*items.begin())>;
+  std::vector<std::uint8_t> planes(items.size() * sizeof(T));
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const T value = get(items[i]);
+    std::uint8_t bytes[sizeof(T)];
+    std::memcpy(bytes, &value, sizeof(T));
+    for (std::size_t b = 0; b < sizeof(T); ++b) planes[b * items.size() + i] = bytes[b];
+  }
+  out.raw(planes.data(), planes.size());
 }
 
 template <class T, class Items, class Set>
 void getColumn(BlobReader& in, Items& items, Set&& set) {
-  for (auto& item : items) set(item, in.get<T>());
+  in.require(items.size() * sizeof(T));
+  std::vector<std::uint8_t> planes(items.size() * sizeof(T));
+  in.raw(planes.data(), planes.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    std::uint8_t bytes[sizeof(T)];
+    for (std::size_t b = 0; b < sizeof(T); ++b) bytes[b] = planes[b * items.size() + i];
+    T value;
+    std::memcpy(&value, bytes, sizeof(T));
+    set(items[i], value);
+  }
 }
 
 void putFeatures(BlobWriter& out, const types::Features& f) {
@@ -131,12 +149,14 @@ Blob encodeMemory(map::PlaceId id, const memory::PlaceMemory& m) {
   for (const FeatureState& s : m.states) out.varint(s.history.size());
   for (const FeatureState& s : m.states) out.raw(s.history.data(), s.history.size());
   putFeatures(out, m.features);
+  out.compress();
   return std::move(out).seal(id.value);
 }
 
 memory::PlaceMemory decodeMemory(std::span<const std::uint8_t> row, std::uint64_t id) {
   using memory::FeatureState;
   BlobReader in(row, RowKind::kMemory, kVersion, id);
+  in.decompress();
   memory::PlaceMemory m;
   const std::size_t n =
       in.count(32);  // a feature takes more than that: no huge allocation for a false number

@@ -76,8 +76,7 @@ class BayesFilter {
 
   void learnSteps();
   Layers chooseSteps(const MotionHint& hint) const;
-  void moveAlong(const Adjacency& adjacency, std::size_t k, const std::vector<double>& from,
-                 std::vector<double>& to, std::vector<double>& blind) const;
+  std::vector<double> moveAlong(const Adjacency& adjacency, const Layers& from, Layers& to) const;
   void moveBlindly(const Adjacency& adjacency, const std::vector<double>& from, const MotionHint& hint,
                    Layers& to) const;
   void spread(Layers& to, double mass) const;

@@ -1,0 +1,190 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_program.h"
+
+#include "engram/base/error.h"
+#include "engram/exporters/exporters.h"
+#include "engram/exporters/html_report.h"
+#include "engram/store/map_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <iomanip>
+#include <ostream>
+
+namespace engram::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using store::Access;
+using store::MapFile;
+
+Json figures(const MapFile& file, const map::TopologicalMap& map) {
+  std::size_t longTerm = 0, features = 0;
+  std::map<std::string, int> edges;
+  for (const auto& [id, place] : map.places()) {
+    longTerm += place.memory.longTerm().size();
+    features += place.memory.states.size();
+  }
+  for (const auto& [id, edge] : map.edges()) ++edges[map::toString(edge.type)];
+  double length = 0;
+  for (std::size_t i = 1; i < map.path().size(); ++i)
+    if (map.path()[i].session == map.path()[i - 1].session)
+      length +=
+          (map.T_map_robot(map.path()[i]).translation() - map.T_map_robot(map.path()[i - 1]).translation())
+              .norm();
+  const map::MapHeader& h = file.header();
+  Json j = {{"map", file.path()},
+            {"engram_version", h.engramVersion},
+            {"extractor", h.extractor},
+            {"descriptors", store::toString(h.descriptorKind)},
+            {"descriptor_dim", h.descriptorDim},
+            {"memory_model", h.memoryModel},
+            {"camera", h.camera},
+            {"first_stamp", h.firstStamp},
+            {"places", map.places().size()},
+            {"views", map.views().size()},
+            {"edges", map.edges().size()},
+            {"edges_by_type", edges},
+            {"sessions", map.nextSession()},
+            {"components", map.components().size()},
+            {"path_points", map.path().size()},
+            {"path_length_m", length},
+            {"long_term_features", longTerm},
+            {"short_term_features", features - longTerm},
+            {"records", file.records().size()},
+            {"map_bytes", file.bytes()}};
+  j["bytes_per_place"] =
+      map.empty() ? 0.0 : static_cast<double>(file.bytes()) / static_cast<double>(map.places().size());
+  return j;
+}
+
+std::string fixed(double value, int digits) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
+}
+
+void line(std::ostream& out, const std::string& name, const std::string& value) {
+  out << std::left << std::setw(20) << name << value << '\n';
+}
+
+void print(std::ostream& out, const Json& j, const map::MapHeader& h) {
+  const auto n = [&](const char* key) { return std::to_string(j.at(key).get<std::uint64_t>()); };
+  line(out, "map", j.at("map"));
+  line(out, "made by", "Engram " + h.engramVersion);
+  line(out, "camera", h.camera.substr(0, h.camera.find('\n')));
+  line(out, "features",
+       h.extractor + ", " + store::toString(h.descriptorKind) + " descriptors of " +
+           std::to_string(h.descriptorDim));
+  line(out, "memory model", h.memoryModel);
+  line(out, "sessions", n("sessions"));
+  line(out, "images", n("records"));
+  line(out, "places", n("places") + " in " + n("components") + " connected part(s)");
+  line(out, "views", n("views"));
+  std::string types;
+  for (const auto& [type, count] : j.at("edges_by_type").items()) {
+    types += types.empty() ? " (" : ", ";
+    types += type + " " + std::to_string(count.get<int>());
+  }
+  line(out, "edges", n("edges") + types + (types.empty() ? "" : ")"));
+  line(out, "path", fixed(j.at("path_length_m"), 1) + " m, " + n("path_points") + " keyframes");
+  line(out, "features kept",
+       n("long_term_features") + " long-term, " + n("short_term_features") + " short-term");
+  line(out, "size",
+       fixed(j.at("map_bytes").get<double>() / 1e6, 2) + " MB, " +
+           fixed(j.at("bytes_per_place").get<double>() / 1000, 1) + " KB a place");
+}
+
+}  // namespace
+
+std::string MapProgram::examples() const {
+  return "  engram-map info office.engram                                  what is in it\n"
+         "  engram-map info office.engram --json info.json                 the same for programs\n"
+         "  engram-map check office.engram                                 is every byte sound?\n"
+         "  engram-map dump office.engram > office.txt                     all content as text, for diff\n"
+         "  engram-map export office.engram --format 3dscene --images --out office.3Dscene\n"
+         "  engram-map export office.engram --format html --out office.html\n"
+         "  engram-map export office.engram --format tum --out path.tum    for evo and the like\n";
+}
+
+void MapProgram::declare(CLI::App& app) {
+  app.require_subcommand(1);
+  info_ = app.add_subcommand("info", "Print what the map holds");
+  check_ = app.add_subcommand("check", "Check all checksums and rules; exit code 1 when the map is damaged");
+  dump_ = app.add_subcommand("dump", "Print the whole content as text; equal maps give equal text");
+  export_ = app.add_subcommand("export", "Write the map in a format of other programs");
+  for (CLI::App* command : {info_, check_, dump_, export_}) {
+    command->add_option("map", map_, "Map file")->required();
+    command->add_flag("-q,--quiet", quiet_, "Print results and errors only");
+  }
+  info_->add_option("--json", json_, "Also write the figures to this file");
+  export_
+      ->add_option("--format", format_,
+                   "3dscene: MRPT's SceneViewer3D; graph: MRPT's pose graph; tum: the path; "
+                   "html: report; dot: Graphviz")
+      ->required()
+      ->check(CLI::IsMember({"3dscene", "graph", "tum", "html", "dot"}));
+  export_->add_option("--out", output_, "File to write")->required();
+  export_->add_flag("--images", images_, "3dscene: show the thumbnails that the map keeps");
+  export_->add_flag("--overwrite", overwrite_, "Replace the file if it exists");
+}
+
+int MapProgram::run(std::ostream& out, std::ostream&) {
+  if (info_->parsed()) return info(out);
+  if (check_->parsed()) return check(out);
+  if (dump_->parsed()) return dump(out);
+  return exportMap(out);
+}
+
+int MapProgram::info(std::ostream& out) const {
+  const MapFile file = MapFile::open(map_, Access::kReadOnly);
+  const Json j = figures(file, file.load());
+  if (!quiet_) print(out, j, file.header());
+  writeJson(json_, nlohmann::json(j));
+  return kOk;
+}
+
+int MapProgram::check(std::ostream& out) const {
+  const MapFile file = MapFile::open(map_, Access::kReadOnly);
+  const auto problems = file.check();
+  for (const std::string& problem : problems) out << map_ << ": " << problem << '\n';
+  if (problems.empty() && !quiet_) out << map_ << ": sound\n";
+  return problems.empty() ? kOk : kError;
+}
+
+int MapProgram::dump(std::ostream& out) const {
+  MapFile::open(map_, Access::kReadOnly).dump(out);
+  return kOk;
+}
+
+int MapProgram::exportMap(std::ostream& out) const {
+  const MapFile file = MapFile::open(map_, Access::kReadOnly);
+  const map::TopologicalMap map = file.load();
+  if (format_ == "3dscene") {
+    exporters::writeScene(output_, map, {.images = images_, .overwrite = overwrite_});
+  } else if (format_ == "graph") {
+    exporters::writeGraph(output_, map, overwrite_);
+  } else if (format_ == "tum") {
+    exporters::writeTum(output_, map, overwrite_);
+  } else if (format_ == "dot") {
+    exporters::writeDot(output_, map, overwrite_);
+  } else {
+    const auto records = file.records();
+    const std::string name = std::filesystem::path(map_).filename().string();
+    exporters::writeText(
+        output_,
+        exporters::toHtml(
+            {.title = "Engram map " + name,
+             .header = &file.header(),
+             .map = &map,
+             .records = records,
+             .figures = {{"Size of the file [MB]", fixed(static_cast<double>(file.bytes()) / 1e6, 2)}}}),
+        overwrite_);
+  }
+  if (!quiet_) out << output_ << ": written\n";
+  return kOk;
+}
+
+}  // namespace engram::apps

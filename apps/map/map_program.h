@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/apps/program.h"
+
+namespace engram::apps {
+
+/// engram-map: looks into a map file, checks it and exports it. Never writes to the map.
+class MapProgram : public Program {
+ public:
+  std::string name() const override { return "engram-map"; }
+  std::string description() const override { return "Look into a map of Engram, check it, export it"; }
+  std::string examples() const override;
+  void declare(CLI::App& app) override;
+  int run(std::ostream& out, std::ostream& err) override;
+
+ private:
+  int info(std::ostream& out) const;
+  int check(std::ostream& out) const;
+  int dump(std::ostream& out) const;
+  int exportMap(std::ostream& out) const;
+
+  CLI::App *info_ = nullptr, *check_ = nullptr, *dump_ = nullptr, *export_ = nullptr;
+  std::string map_, json_, format_, output_;
+  bool images_ = false, overwrite_ = false, quiet_ = false;
+};
+
+}  // namespace engram::apps

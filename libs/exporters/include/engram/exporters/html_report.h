@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/map/topological_map.h"
+#include "engram/types/frame_report.h"
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace engram::exporters {
+
+/// What a report is made from. Parts that are absent are left out of the page.
+struct HtmlReport {
+  std::string title = "Engram map";
+  const map::MapHeader* header = nullptr;
+  const map::TopologicalMap* map = nullptr;
+  std::span<const types::FrameReport> records;
+  std::vector<std::pair<std::string, std::string>> figures;  ///< further rows of the first table: name, value
+};
+
+/// One page with all drawings inside; it loads nothing from anywhere. Write it with writeText().
+std::string toHtml(const HtmlReport& report);
+
+}  // namespace engram::exporters

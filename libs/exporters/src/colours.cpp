@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "colours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace engram::exporters {
+
+std::string hex(Colour c) {
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", c.r, c.g, c.b);
+  return text;
+}
+
+Colour viridis(double fraction) {
+  static constexpr std::array<std::array<double, 3>, 5> kStops{
+      {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
+  const double at = std::clamp(fraction, 0.0, 1.0) * (kStops.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
+  const double t = at - static_cast<double>(i);
+  const auto mix = [&](std::size_t c) {
+    return static_cast<std::uint8_t>(std::lround((1 - t) * kStops[i][c] + t * kStops[i + 1][c]));
+  };
+  return {mix(0), mix(1), mix(2)};
+}
+
+Colour edgeColour(map::EdgeType type) {
+  switch (type) {
+    case map::EdgeType::kOdometry:
+      return {120, 120, 120};
+    case map::EdgeType::kLoop:
+      return {213, 60, 30};
+    case map::EdgeType::kRecognition:
+      return {0, 114, 178};
+    case map::EdgeType::kWeak:
+      return {200, 170, 60};
+    case map::EdgeType::kCompounded:
+      return {150, 80, 160};
+  }
+  return {};
+}
+
+Colour categoryColour(std::size_t index) {
+  static constexpr std::array<Colour, 8> kColours{{{0, 114, 178},
+                                                   {230, 130, 0},
+                                                   {0, 140, 100},
+                                                   {190, 60, 120},
+                                                   {90, 90, 90},
+                                                   {86, 160, 220},
+                                                   {150, 110, 50},
+                                                   {110, 80, 170}}};
+  return kColours[index % kColours.size()];
+}
+
+int largestLongTerm(const map::MapContent& content) {
+  std::size_t largest = 1;
+  for (const auto& [id, place] : content.places) largest = std::max(largest, place.memory.longTerm().size());
+  return static_cast<int>(largest);
+}
+
+}  // namespace engram::exporters
