@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rawlog_file.h"
+
+#include "engram/base/error.h"
+
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CActionRobotMovement2D.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationStereoImages.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/serialization/CArchive.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <unistd.h>
+#include <zlib.h>
+
+namespace engram::apps {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int kJpegQuality = 90;
+
+[[noreturn]] void failWriting(const std::string& path) {
+  throw base::Error(path + ": cannot be written: " + std::strerror(errno != 0 ? errno : EIO));
+}
+
+mrpt::Clock::time_point timeOf(double stamp) { return mrpt::Clock::fromDouble(stamp); }
+
+mrpt::poses::CPose3D poseOf(const Eigen::Isometry3d& T) {
+  return mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(T.matrix()));
+}
+
+mrpt::img::TCamera calibrationOf(const cameras::CameraRig& rig) {
+  mrpt::img::TCamera camera;
+  camera.ncols = static_cast<std::uint32_t>(rig.camera->imageSize().width);
+  camera.nrows = static_cast<std::uint32_t>(rig.camera->imageSize().height);
+  if (rig.camera->model() != "pinhole")
+    return camera;  // MRPT knows no omnidirectional model: camera.ini has it
+  const auto o = *rig.camera->project({0, 0, 1}), x = *rig.camera->project({0.001, 0, 1}),
+             y = *rig.camera->project({0, 0.001, 1});
+  camera.setIntrinsicParamsFromValues((x - o).x() * 1000, (y - o).y() * 1000, o.x(), o.y());
+  return camera;
+}
+
+}  // namespace
+
+std::string imagesFolder(const std::string& rawlog) {
+  const fs::path file(rawlog);
+  return (file.parent_path() / (file.stem().string() + "_Images")).string();
+}
+
+class RawlogFile::Impl {
+ public:
+  Impl(const std::string& path, const world::Session& session, RawlogLayout layout, bool external)
+      : path_(path),
+        part_(path + ".partial"),
+        folder_(imagesFolder(path)),
+        session_(session),
+        layout_(layout),
+        external_(external) {
+    mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(false);  // the default stores raw pixels, ten times as large
+    mrpt::img::CImage::SERIALIZATION_JPEG_QUALITY(kJpegQuality);
+    errno = 0;
+    file_ = gzopen(part_.c_str(), "wb1");  // the images are compressed already
+    if (!file_) failWriting(part_);
+    if (!external_) return;
+    std::error_code error;
+    fs::remove_all(folder_ + ".partial", error);
+    if (!fs::create_directory(folder_ + ".partial", error)) failWriting(folder_ + ".partial");
+  }
+
+  ~Impl() {
+    if (file_) gzclose(file_);
+    std::error_code ignored;
+    fs::remove(part_, ignored);
+    fs::remove_all(folder_ + ".partial", ignored);
+  }
+
+  void add(std::size_t i, const types::Frame& frame) {
+    const auto image = frame.right.empty() ? mono(i, frame) : stereo(i, frame);
+    if (layout_ == RawlogLayout::kObservations) {
+      writeOdometry(session_.drive().imageTimes()[i]);
+      write(*image);
+      return;
+    }
+    mrpt::obs::CActionCollection actions;
+    mrpt::obs::CActionRobotMovement2D move;
+    const world::Pose2 now = session_.drive().odometryAt(session_.drive().imageTimes()[i]);
+    const world::Pose2 step = last_.relative(now);
+    move.timestamp = timeOf(frame.stamp);
+    move.computeFromOdometry({step.x, step.y, step.heading}, {});
+    actions.insert(move);
+    last_ = now;
+    mrpt::obs::CSensoryFrame frames;
+    frames.insert(image);
+    write(actions);
+    write(frames);
+  }
+
+  void close() {
+    if (layout_ == RawlogLayout::kObservations) writeOdometry(1e18);
+    gzFile file = file_;
+    file_ = nullptr;
+    errno = 0;
+    if (gzclose(file) != Z_OK) failWriting(part_);
+    std::error_code error;
+    if (external_) {
+      fs::remove_all(folder_, error);
+      fs::rename(folder_ + ".partial", folder_, error);
+    }
+    if (!error) fs::rename(part_, path_, error);
+    if (error) throw base::Error(path_ + ": cannot be written: " + error.message());
+  }
+
+ private:
+  // Serialised in memory first: MRPT's own file stream loses the errors of the last block.
+  void write(const mrpt::serialization::CSerializable& object) {
+    mrpt::io::CMemoryStream memory;
+    auto archive = mrpt::serialization::archiveFrom(memory);
+    archive.WriteObject(&object);
+    const auto n = static_cast<unsigned>(memory.getTotalBytesCount());
+    errno = 0;
+    if (gzwrite(file_, memory.getRawBufferData(), n) != static_cast<int>(n)) failWriting(part_);
+  }
+
+  void writeOdometry(double until) {
+    const auto& ticks = session_.drive().odometry();
+    for (; tick_ < ticks.size() && ticks[tick_].t <= until; ++tick_) {
+      mrpt::obs::CObservationOdometry o;
+      o.timestamp = timeOf(session_.startStamp() + ticks[tick_].t);
+      o.sensorLabel = "ODOMETRY";
+      o.odometry = {ticks[tick_].pose.x, ticks[tick_].pose.y, ticks[tick_].pose.heading};
+      write(o);
+    }
+  }
+
+  void setImage(mrpt::img::CImage& to, const cv::Mat& from, std::size_t i, const std::string& suffix) {
+    if (!external_) {
+      to = mrpt::img::CImage(from, mrpt::img::SHALLOW_COPY);
+      return;
+    }
+    char name[64];
+    std::snprintf(name, sizeof name, "CAMERA_%06zu%s.jpg", i, suffix.c_str());
+    errno = 0;
+    if (!cv::imwrite(folder_ + ".partial/" + name, from, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}))
+      failWriting(folder_);
+    to.setExternalStorage(name);
+  }
+
+  mrpt::obs::CObservation::Ptr mono(std::size_t i, const types::Frame& frame) {
+    auto o = mrpt::obs::CObservationImage::Create();
+    o->timestamp = timeOf(frame.stamp);
+    o->sensorLabel = "CAMERA";
+    o->cameraPose = poseOf(session_.eyes().left.T_robot_cam);
+    o->cameraParams = calibrationOf(session_.eyes().left);
+    setImage(o->image, frame.image, i, "");
+    return o;
+  }
+
+  mrpt::obs::CObservation::Ptr stereo(std::size_t i, const types::Frame& frame) {
+    auto o = mrpt::obs::CObservationStereoImages::Create();
+    const auto& left = session_.eyes().left;
+    const auto& right = *session_.eyes().right;
+    o->timestamp = timeOf(frame.stamp);
+    o->sensorLabel = "CAMERA";
+    o->cameraPose = mrpt::poses::CPose3DQuat(poseOf(left.T_robot_cam));
+    o->rightCameraPose = mrpt::poses::CPose3DQuat(poseOf(left.T_robot_cam.inverse() * right.T_robot_cam));
+    o->leftCamera = calibrationOf(left), o->rightCamera = calibrationOf(right);
+    o->hasImageRight = true;
+    setImage(o->imageLeft, frame.image, i, "_left");
+    setImage(o->imageRight, frame.right, i, "_right");
+    return o;
+  }
+
+  std::string path_, part_, folder_;
+  const world::Session& session_;
+  RawlogLayout layout_;
+  bool external_;
+  gzFile file_ = nullptr;
+  std::size_t tick_ = 0;
+  world::Pose2 last_;
+};
+
+RawlogFile::RawlogFile(const std::string& path, const world::Session& session, RawlogLayout layout,
+                       bool externalImages)
+    : impl_(std::make_unique<Impl>(path, session, layout, externalImages)) {}
+RawlogFile::~RawlogFile() = default;
+void RawlogFile::add(std::size_t i, const types::Frame& frame) { impl_->add(i, frame); }
+void RawlogFile::close() { impl_->close(); }
+
+}  // namespace engram::apps

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/world/building.h"
+#include "engram/world/texture.h"
+
+#include <string>
+#include <vector>
+
+namespace engram::world {
+
+/// The textures of a building. Painted from its seed; shared by all sessions.
+struct Library {
+  /// @param photographs folder with images that replace the painted posters and, the larger half, nothing
+  /// else;
+  ///        empty: painted ones. Throws base::Error when it holds no readable image.
+  Library(const Building& building, const std::string& photographs);
+
+  TextureAtlas atlas;
+  struct Style {
+    int wall = 0, floor = 0;
+    float wallScale = 0.5f, floorScale = 0.5f;  ///< repetitions per metre
+  };
+  std::vector<Style> styles;  ///< by Room::style
+  std::vector<int> doors, posters, boards, signs, smallThings, shelves, cabinets, cartons, woods, fabrics,
+      rugs, people,
+      outside;  ///< outside by season
+  int ceiling = 0, radiator = 0, lamp = 0, screen = 0, foliage = 0, grime = 0, white = 0, metal = 0;
+};
+
+}  // namespace engram::world
