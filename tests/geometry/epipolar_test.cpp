@@ -76,6 +76,23 @@ TEST(PlanarSolver, FindsTheTruthFromAnyTwoPairs) {
   }
 }
 
+TEST(PlanarSolver, FindsARotationWithoutParallax) {
+  base::Rng rng(6);
+  for (const double sigma : {0.0, deg(0.05)})
+    for (int trial = 0; trial < 200; ++trial) {
+      const Scene scene = makeScene({.points = 2, .sigma = sigma, .distance = 0}, rng);
+      const BearingPair p = level(scene.pairs[0]), q = level(scene.pairs[1]);
+      const double information =
+          std::min({std::abs(p.a.z()), std::abs(q.a.z())}) * p.a.head<2>().norm() * q.a.head<2>().norm() *
+          std::abs(std::sin(std::atan2(p.a.y(), p.a.x()) - std::atan2(q.a.y(), q.a.x())));
+      if (information < 0.1) continue;
+      std::array<PlanarMotion, 2> solutions;
+      ASSERT_GE(solvePlanar(p, q, solutions), 1) << trial;
+      EXPECT_LT(rotationError(solutions[0].pose().R_a_b, level(scene.truth).R_a_b), 1e-6 + 20 * sigma)
+          << trial;
+    }
+}
+
 TEST(PlanarSolver, RefusesPairsWithoutInformation) {
   std::array<PlanarMotion, 2> solutions;
   const BearingPair horizon{{1, 0, 0}, {0, 1, 0}},

@@ -147,6 +147,20 @@ TEST(Verify, PureRotationHasNoTranslation) {
   }
 }
 
+TEST(Verify, TheSameImageTwice) {
+  base::Rng rng(19);
+  for (const char* model : {"planar", "essential", "planar_then_essential"})
+    for (const double share : {1.0, 0.6}) {
+      const Scene scene = makeScene({.inlierShare = share, .distance = 0}, rng);
+      VerifyParams params;
+      params.model = model;
+      const Verification v = check(scene, params);
+      EXPECT_TRUE(v.ok()) << model << " " << toString(v.reason);
+      EXPECT_TRUE(v.T_a_b.T_a_b.translation().isZero(0)) << model;
+      EXPECT_LT(rotationError(v.T_a_b.T_a_b.linear(), scene.truth.R_a_b), deg(0.02)) << model;
+    }
+}
+
 TEST(Verify, RealParallaxIsKept) {
   base::Rng rng(8);
   for (int i = 0; i < 50; ++i) {

@@ -58,7 +58,14 @@ int solvePlanar(const BearingPair& p, const BearingPair& q, std::array<PlanarMot
   const Eigen::Matrix2d M = N.transpose() * N;
   // P c^2 + 2 Q c s + S s^2 = 0 from w^T M w = w^T w.
   const double P = M(0, 0) - 1, Q = M(0, 1), S = M(1, 1) - 1;
-  const double discriminant = Q * Q - P * S;
+  double discriminant = Q * Q - P * S;
+  const double size = std::max({std::abs(P), std::abs(Q), std::abs(S)});
+  if (size < 1e-9) {  // no parallax at all: every direction will do
+    solutions[0] = {N(0, 0), N(1, 0), 1, 0};
+    return 1;
+  }
+  // With hardly any parallax noise decides the sign; the double root is the nearest answer.
+  if (size < 0.1) discriminant = std::max(0.0, discriminant);
   if (!(discriminant >= 0)) return 0;
   const double q0 = -(Q + std::copysign(std::sqrt(discriminant), Q));
   int count = 0;

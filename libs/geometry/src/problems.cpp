@@ -4,6 +4,8 @@
 
 #include "engram/geometry/conic.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 
@@ -116,6 +118,29 @@ int EssentialProblem::countInliers(const Model& model) const {
     count += e * e <= limit * shorter;
   }
   return count;
+}
+
+int RotationProblem::solve(const std::array<int, 2>& sample, std::array<Model, 1>& models) const {
+  const BearingPair& p = pairs_[static_cast<std::size_t>(sample[0])];
+  const BearingPair& q = pairs_[static_cast<std::size_t>(sample[1])];
+  if (std::abs(p.a.dot(q.a) - p.b.dot(q.b)) > 4 * sine_) return 0;  // a rotation keeps angles
+  const auto frameOf = [](const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
+    Eigen::Matrix3d frame;
+    frame.col(0) = first;
+    frame.col(2) = first.cross(second).normalized();
+    frame.col(1) = frame.col(2).cross(first);
+    return frame;
+  };
+  if (p.a.cross(q.a).norm() < 0.01 || p.b.cross(q.b).norm() < 0.01) return 0;
+  models[0] = frameOf(p.a, q.a) * frameOf(p.b, q.b).transpose();
+  return 1;
+}
+
+int RotationProblem::countInliers(const Model& R) const {
+  const auto agrees = [&](const BearingPair& pair) {
+    return (pair.a - R * pair.b).squaredNorm() <= sine_ * sine_;
+  };
+  return static_cast<int>(std::count_if(pairs_.begin(), pairs_.end(), agrees));
 }
 
 }  // namespace engram::geometry

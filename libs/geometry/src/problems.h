@@ -66,4 +66,22 @@ class EssentialProblem {
   PairArrays arrays_;
 };
 
+/// Rotation without translation for ransac(): two pairs, one model.
+class RotationProblem {
+ public:
+  using Model = Eigen::Matrix3d;
+  static constexpr int kSampleSize = 2, kMaxModels = 1;
+
+  /// @param sine of the largest angle between a ray and its turned partner.
+  RotationProblem(std::span<const BearingPair> pairs, double sine) : pairs_(pairs), sine_(sine) {}
+
+  int size() const { return static_cast<int>(pairs_.size()); }
+  int solve(const std::array<int, 2>& sample, std::array<Model, 1>& models) const;
+  int countInliers(const Model& R_a_b) const;
+
+ private:
+  std::span<const BearingPair> pairs_;
+  double sine_;
+};
+
 }  // namespace engram::geometry

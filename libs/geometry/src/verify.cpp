@@ -135,10 +135,16 @@ Candidate Verifier::searchNearlyPlanar() const {
 Candidate Verifier::searchEssential() const {
   const EssentialProblem problem(pairs_, test_);
   const auto best = ransac(problem, ransacParams());
+  // Without parallax eight pairs determine no essential matrix, or one made of noise.
+  const auto turned = ransac(RotationProblem(pairs_, test_.sine), ransacParams());
   Candidate out;
-  out.iterations = best.iterations;
-  out.found = best.inliers > 0;
-  if (!out.found) return out;
+  out.iterations = best.iterations + turned.iterations;
+  out.found = best.inliers > 0 || turned.inliers > 0;
+  if (turned.inliers > 0.9 * best.inliers) {
+    out.estimate.pose.R_a_b = turned.model;
+    out.inliers = inliersOf(out.estimate.pose);
+    return out;
+  }
   for (const auto& pose : decompose(best.model)) {
     auto inliers = inliersOf(pose);
     if (inliers.size() < out.inliers.size()) continue;
