@@ -125,7 +125,7 @@ TEST(RawlogDamage, RandomBitFlips) {
     writeWithMrpt(folder.path("a.rawlog"), smallLog(), gzip);
     const auto whole = readAll(folder.path("a.rawlog"));
     const auto all = readDamaged(folder.path("a.rawlog"));
-    for (int i = 0; i < 3000; ++i) {
+    for (int i = 0; i < 2000; ++i) {
       const auto bytes = flipped(whole, rng);
       writeAll(folder.path("flip.rawlog"), bytes);
       const auto reading = readDamaged(folder.path("flip.rawlog"));
@@ -154,7 +154,7 @@ TEST(RawlogDamage, RandomGarbageBlocks) {
   writeWithMrpt(folder.path("a.rawlog"), smallLog(), false);
   const auto whole = readAll(folder.path("a.rawlog"));
   testing::internal::CaptureStderr();
-  for (int i = 0; i < 1500; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     auto bytes = whole;
     const auto at = rng.below(static_cast<std::uint32_t>(whole.size()));
     const auto n = std::min<std::size_t>(1 + rng.below(64), whole.size() - at);
