@@ -7,6 +7,7 @@
 #include "rawlog_parser.h"
 #include "rawlog_problem.h"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <filesystem>
@@ -59,6 +60,7 @@ class Source final : public RawlogSource {
   RawlogParser parser_;
   RawlogStats stats_;
   bool finished_ = false;
+  bool hasStamp_ = false;
 
   std::optional<std::string> label_;  // of the camera in use
   StampGate imageGate_;
@@ -98,8 +100,9 @@ bool Source::ready(const ImageRecord& record) const {
 }
 
 void Source::noteStamp(double stamp) {
-  if (stats_.firstStamp == 0.0 || stamp < stats_.firstStamp) stats_.firstStamp = stamp;
-  stats_.lastStamp = std::max(stats_.lastStamp, stamp);
+  stats_.firstStamp = hasStamp_ ? std::min(stats_.firstStamp, stamp) : stamp;
+  stats_.lastStamp = hasStamp_ ? std::max(stats_.lastStamp, stamp) : stamp;
+  hasStamp_ = true;
 }
 
 void Source::take(ImageRecord&& record) {

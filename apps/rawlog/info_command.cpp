@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/base/interrupt.h"
+#include "engram/base/progress.h"
+#include "engram/sources/rawlog_source.h"
+#include "rawlog_program.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <ostream>
+
+namespace engram::apps {
+namespace {
+
+std::string sizeText(cv::Size size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
+
+std::string fixed(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+/// What the images of a rawlog have in common, gathered frame by frame.
+struct ImageSummary {
+  std::map<std::string, std::size_t> sizes;
+  std::size_t stereo = 0, grey = 0, withOdometry = 0, images = 0;
+  double first = 0.0, last = 0.0;
+
+  void add(const types::Frame& frame) {
+    ++sizes[sizeText(frame.image.size())];
+    stereo += frame.right.empty() ? 0 : 1;
+    grey += frame.image.channels() == 1 ? 1 : 0;
+    withOdometry += frame.T_odom_robot ? 1 : 0;
+    if (images++ == 0) first = frame.stamp;
+    last = frame.stamp;
+  }
+  double rate() const {
+    return images > 1 && last > first ? static_cast<double>(images - 1) / (last - first) : 0.0;
+  }
+};
+
+class InfoCommand final : public RawlogCommand {
+ public:
+  std::string name() const override { return "info"; }
+  std::string description() const override { return "What a rawlog holds, and whether it is damaged"; }
+  std::string examples() const override {
+    return "  engram-rawlog info walk.rawlog\n  engram-rawlog info walk.rawlog --json walk.json\n";
+  }
+  void declare(CLI::App& app) override {
+    app.add_option("rawlog", path_, "Rawlog to read, gzip or plain")->required();
+    app.add_option("--sensor-label", params_.sensor_label, "Camera to look at; default: the first one");
+    app.add_option("--images-dir", params_.images_dir, "Folder of images stored outside")->type_name("DIR");
+    common_.declare(app);
+  }
+  int run(std::ostream& out, std::ostream& err) override;
+
+ private:
+  void print(std::ostream& out, const sources::RawlogStats& stats, const ImageSummary& images) const;
+  nlohmann::json figures(const sources::RawlogStats& stats, const ImageSummary& images) const;
+
+  CommonOptions common_;
+  std::string path_;
+  sources::RawlogParams params_;
+};
+
+int InfoCommand::run(std::ostream& out, std::ostream& err) {
+  const auto source = sources::openRawlog(path_, params_);
+  ImageSummary images;
+  {
+    base::Progress progress(common_.progressTo(err), "info");
+    while (!base::interrupted()) {
+      const auto frame = source->next();
+      if (!frame) break;
+      images.add(*frame);
+      progress.update(source->progress(), images.images);
+    }
+  }
+  print(out, source->stats(), images);
+  auto json = figures(source->stats(), images);
+  json["damage"] = source->damage();
+  json["problem"] = source->problem();
+  writeJson(common_.json, json);
+  return finish(source->problem(), base::interrupted(), err);
+}
+
+void InfoCommand::print(std::ostream& out, const sources::RawlogStats& stats,
+                        const ImageSummary& images) const {
+  out << path_ << ": " << std::filesystem::file_size(path_) << " bytes\n";
+  for (const auto& [name, labels] : stats.objects)
+    for (const auto& [label, n] : labels)
+      out << "  " << name << (label.empty() ? "" : " '" + label + "'") << ": " << n << "\n";
+  if (images.images > 0) {
+    out << "  images: " << images.images;
+    for (const auto& [size, n] : images.sizes)
+      out << ", " << size << (images.sizes.size() > 1 ? " x" + std::to_string(n) : "");
+    out << (images.stereo > 0 ? ", stereo" : "") << (images.grey > 0 ? ", grey" : ", colour") << ", "
+        << fixed(images.rate(), 2) << " per second, " << images.withOdometry << " with odometry\n";
+  }
+  if (stats.odometry > 0)
+    out << "  odometry: " << stats.odometry << " readings, path " << fixed(stats.pathLength, 2) << " m\n";
+  if (stats.lastStamp > stats.firstStamp)
+    out << "  time: " << fixed(stats.lastStamp - stats.firstStamp, 2) << " s\n";
+}
+
+nlohmann::json InfoCommand::figures(const sources::RawlogStats& stats, const ImageSummary& images) const {
+  return {{"bytes", std::filesystem::file_size(path_)},
+          {"objects", stats.objects},
+          {"cameras", stats.cameras},
+          {"images", images.images},
+          {"image_sizes", images.sizes},
+          {"images_per_second", images.rate()},
+          {"images_with_odometry", images.withOdometry},
+          {"images_damaged", stats.imagesDamaged},
+          {"images_missing", stats.imagesMissing},
+          {"images_bad_stamp", stats.imagesBadStamp},
+          {"odometry", stats.odometry},
+          {"odometry_bad", stats.odometryBad},
+          {"odometry_bad_stamp", stats.odometryBadStamp},
+          {"path_m", stats.pathLength},
+          {"first_stamp", stats.firstStamp},
+          {"last_stamp", stats.lastStamp}};
+}
+
+}  // namespace
+
+std::unique_ptr<RawlogCommand> makeInfoCommand() { return std::make_unique<InfoCommand>(); }
+
+}  // namespace engram::apps

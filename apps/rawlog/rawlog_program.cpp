@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rawlog_program.h"
+
+#include "engram/base/error.h"
+
+#include <charconv>
+#include <ostream>
+
+namespace engram::apps {
+
+void CommonOptions::declare(CLI::App& app) {
+  app.add_flag("-q,--quiet", quiet, "No progress on the terminal");
+  app.add_option("--json", json, "Write the figures to this file")->type_name("FILE");
+}
+
+int finish(const std::string& problem, bool interrupted, std::ostream& err) {
+  if (!problem.empty()) err << "engram-rawlog: " << problem << "\n";
+  if (interrupted) err << "engram-rawlog: interrupted; what was done so far is kept\n";
+  return problem.empty() && !interrupted ? kOk : kPartial;
+}
+
+std::pair<int, int> parseSize(const std::string& text, const std::string& option) {
+  int width = 0, height = 0;
+  const char* end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, width);
+  const bool hasX = first.ec == std::errc() && first.ptr != end && *first.ptr == 'x';
+  const auto second = hasX ? std::from_chars(first.ptr + 1, end, height) : first;
+  if (!hasX || second.ec != std::errc() || second.ptr != end || width <= 0 || height <= 0)
+    throw base::Error(option + " '" + text + "': expected two whole numbers such as 640x480");
+  return {width, height};
+}
+
+RawlogProgram::RawlogProgram() {
+  commands_.push_back(makePackCommand());
+  commands_.push_back(makeInfoCommand());
+  commands_.push_back(makeUnpackCommand());
+  commands_.push_back(makeCalibrateCommand());
+}
+
+std::string RawlogProgram::description() const {
+  return "Makes MRPT rawlogs of image folders and back, says what is in one, and calibrates cameras.";
+}
+
+std::string RawlogProgram::examples() const {
+  std::string text;
+  for (const auto& command : commands_) text += command->examples();
+  return text;
+}
+
+void RawlogProgram::declare(CLI::App& app) {
+  app.require_subcommand(1);
+  for (auto& command : commands_) {
+    CLI::App* sub = app.add_subcommand(command->name(), command->description());
+    sub->footer("Examples:\n" + command->examples());
+    command->declare(*sub);
+    sub->callback([this, at = command.get()] { chosen_ = at; });
+  }
+}
+
+int RawlogProgram::run(std::ostream& out, std::ostream& err) { return chosen_->run(out, err); }
+
+}  // namespace engram::apps
