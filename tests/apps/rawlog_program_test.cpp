@@ -219,6 +219,7 @@ using RawlogToolDeathTest = RawlogTool;  // GoogleTest runs these first, before 
 
 // Ctrl-C before the work: everything must still end in order. In a process of its own, as the flag stays set.
 TEST_F(RawlogToolDeathTest, InterruptEndsInOrder) {
+  cv::setNumThreads(1);
   makeImages("in", 2);
   ASSERT_EQ(run({"pack", "--images", path("in"), "--out", path("a.rawlog"), "-q"}).code, kOk);
   const auto afterSignal = [](const std::vector<std::string>& arguments) {
