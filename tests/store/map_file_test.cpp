@@ -2,22 +2,84 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/store/map_file.h"
 
-#include "engram/base/error.h"
 #include "sample_map.h"
 #include "store_fixture.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <sstream>
+#include <csignal>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace engram::store {
 namespace {
 
 using engram::testing::ringMap;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
 
 using MapFileTest = StoreTest;
+
+/// Keeps the odd features and learns two new ones.
+class KeepOdd : public memory::MemoryModel {
+ public:
+  memory::PlaceMemory start(const types::Features&) const override { return {}; }
+  types::MemoryChange update(memory::PlaceMemory& m, const types::Features& view,
+                             std::span<const types::Match>) const override {
+    std::vector<int> keep;
+    std::vector<memory::FeatureState> states;
+    for (std::size_t i = 0; i < m.states.size(); ++i)
+      if (m.states[i].id % 2 == 1) {
+        keep.push_back(static_cast<int>(i));
+        states.push_back(m.states[i]);
+        states.back().history.push_back(static_cast<std::uint8_t>(7 * i));
+      }
+    m.features = m.features.subset(keep);
+    for (std::size_t i = 0; i < view.size(); ++i) {
+      m.features.append(view, i);
+      states.emplace_back().id = m.nextFeatureId++;
+    }
+    m.states = states;
+    ++m.updates;
+    return {};
+  }
+};
+
+/// Changes something, as a session does.
+void change(map::TopologicalMap& map, base::Rng& rng) {
+  const auto any = [&] { return map::PlaceId(rng.below(static_cast<std::uint32_t>(map.places().size()))); };
+  switch (rng.below(7)) {
+    case 0: {
+      map::Place place;
+      place.memory = engram::testing::randomMemory(rng, static_cast<int>(rng.below(12)), 2);
+      map.addView({.place = map.addPlace(place), .stamp = 3, .label = "x", .jpeg = {1, 2, 0, 255}});
+      break;
+    }
+    case 1:
+      map.remember(any(), KeepOdd{}, engram::testing::randomFeatures(rng, 2), {});
+      break;
+    case 2:
+      map.setPose(any(), engram::testing::planarPose(rng.normal(), rng.normal(), rng.normal()));
+      break;
+    case 3:
+      map.survey(any(), engram::testing::planarPose(rng.normal(), 0, 1));
+      break;
+    case 4:
+      map.addPathPoint({.session = 2, .stamp = rng.uniform(), .anchor = any()});
+      break;
+    case 5:
+      if (!map.edges().empty()) map.removeEdge(map.edges().begin()->first);
+      break;
+    default: {
+      const auto a = any(), b = any();
+      if (a != b)
+        map.addEdge(
+            {.type = map::EdgeType::kLoop, .a = a, .b = b, .T_a_b = {.cov = types::Matrix6d::Identity()}});
+    }
+  }
+}
 
 TEST_F(MapFileTest, ReadsBackWhatWasWritten) {
   auto map = ringMap(5);
@@ -32,6 +94,179 @@ TEST_F(MapFileTest, ReadsBackWhatWasWritten) {
   EXPECT_EQ(file.header(), sampleHeader());
   EXPECT_EQ(text(sampleHeader(), file.load().content(), file.records()),
             text(sampleHeader(), map.content(), {report}));
+  EXPECT_THAT(file.check(), IsEmpty());
+}
+
+TEST_F(MapFileTest, EveryKindOfDescriptorAndNoBearings) {
+  base::Rng rng(1);
+  for (const auto& [kind, dim] : {std::pair{types::DescriptorKind::kFloat, 128},
+                                  {types::DescriptorKind::kBinary, 486},
+                                  {types::DescriptorKind::kInt8, 64}}) {
+    map::Place place;
+    auto& m = place.memory;
+    m.features.descriptors = types::Descriptors(kind, dim);
+    m.features.descriptors.resize(3);
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t b = 0; b < m.features.descriptors.rowBytes(); ++b)
+        m.features.descriptors.mutableRow(i)[b] = static_cast<std::byte>(rng.below(256));
+      m.features.keypoints.push_back({.x = static_cast<float>(rng.normal()), .angle = -0.0f, .sign = -1});
+      m.states.emplace_back().id = m.nextFeatureId++;
+      m.states.back().counter = static_cast<std::uint16_t>(65535 - i);
+    }
+    map::TopologicalMap map;
+    map.addPlace(place);
+    MapFile file = MapFile::create(path("a.engram"), sampleHeader(), true);
+    file.commit(map, map.takeChanges());
+    const auto read = file.load();
+    EXPECT_EQ(read.place(map::PlaceId(0)).memory.features.descriptors, m.features.descriptors);
+    EXPECT_EQ(read.place(map::PlaceId(0)).memory.states, m.states);
+    EXPECT_EQ(text({}, read.content()), text({}, map.content()));
+  }
+}
+
+/// The map writes only what changed; that must be all that changed.
+TEST_F(MapFileTest, CommitsOfChangesAddUpToTheMap) {
+  base::Rng rng(11);
+  auto map = ringMap(4, 8);
+  MapFile file = MapFile::create(path("a.engram"), sampleHeader());
+  for (int i = 0; i < 60; ++i) {
+    for (std::uint32_t n = rng.below(4) + 1; n > 0; --n) change(map, rng);
+    file.commit(map, map.takeChanges());
+    ASSERT_EQ(text({}, file.load().content()), text({}, map.content())) << "commit " << i;
+    if (i % 10 != 9) continue;
+    file.close();
+    file = MapFile::open(path("a.engram"), Access::kReadWrite);
+    map = file.load();  // ids and changes go on where they were
+  }
+  EXPECT_THAT(file.check(), IsEmpty());
+}
+
+TEST_F(MapFileTest, EqualMapsGiveEqualDumps) {
+  std::string first;
+  for (const char* name : {"a", "b"}) {
+    auto map = ringMap(4);
+    auto report = sampleReport();
+    report.milliseconds = name[0];  // wall times differ from run to run
+    report.times[0].milliseconds = name[0];
+    MapFile file = MapFile::create(path(name), sampleHeader());
+    file.commit(map, map.takeChanges(), &report);
+    std::ostringstream out;
+    file.dump(out);
+    if (first.empty()) first = out.str();
+    EXPECT_EQ(out.str(), first);
+  }
+  EXPECT_THAT(first, HasSubstr("feature 0 "));
+  EXPECT_THAT(first, Not(HasSubstr("\"ms\"")));
+  auto other = ringMap(4, 20, 8);  // another seed: other features
+  std::ostringstream out;
+  dump(out, sampleHeader(), other.content(), {sampleReport()});
+  EXPECT_NE(out.str(), first);
+}
+
+/// a frozen map does not change by a byte, nor does anything appear beside it.
+TEST_F(MapFileTest, ReadersChangeNothing) {
+  auto map = ringMap(4);
+  MapFile::create(path("a.engram"), sampleHeader()).commit(map, map.takeChanges());
+  const std::string before = fileBytes(path("a.engram"));
+  const auto stamp = std::filesystem::last_write_time(path("a.engram"));
+  // On a medium that cannot be written, where root could write all the same.
+  std::filesystem::permissions(path("a.engram"), std::filesystem::perms(0444));
+  std::filesystem::permissions(folder_, std::filesystem::perms(0555));
+  const bool root = geteuid() == 0;
+  ASSERT_EQ(root ? seteuid(65534) : 0, 0);
+  {
+    const MapFile file = MapFile::open(path("a.engram"), Access::kReadOnly);
+    std::ostringstream out;
+    file.dump(out);
+    EXPECT_THAT(file.check(), IsEmpty());
+    EXPECT_EQ(text({}, file.load().content()), text({}, map.content()));
+    EXPECT_THAT(messageOf([&] { MapFile::open(path("a.engram"), Access::kReadWrite); }),
+                HasSubstr("read-only"));
+    EXPECT_THAT(messageOf([&] { MapFile::create(path("b.engram"), sampleHeader()); }),
+                HasSubstr("cannot be opened"));
+  }
+  ASSERT_EQ(root ? seteuid(0) : 0, 0);
+  EXPECT_EQ(fileBytes(path("a.engram")), before);
+  EXPECT_EQ(std::filesystem::last_write_time(path("a.engram")), stamp);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+}
+
+/// Every commit that returned is there after SIGKILL, for readers and for the next writer.
+TEST_F(MapFileTest, KilledWriterLosesNothingCommitted) {
+  const std::string name = path("a.engram");
+  auto map = ringMap(6);
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    auto report = sampleReport();
+    MapFile file = MapFile::create(name, sampleHeader());
+    file.commit(map, map.takeChanges(), &report);
+    map.setPose(map::PlaceId(3), engram::testing::planarPose(7, 7, 7));
+    file.commit(map, map.takeChanges(), &report);
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  map.setPose(map::PlaceId(3), engram::testing::planarPose(7, 7, 7));
+  const std::string before = fileBytes(name);
+  {
+    const MapFile reader = MapFile::open(name, Access::kReadOnly);
+    EXPECT_EQ(text({}, reader.load().content()), text({}, map.content()));
+    EXPECT_EQ(reader.records().size(), 2u);
+  }
+  EXPECT_EQ(fileBytes(name), before);
+  {
+    MapFile writer = MapFile::open(name, Access::kReadWrite);
+    map.setPose(map::PlaceId(0), engram::testing::planarPose(8, 8, 8));
+    map.takeChanges();
+    auto loaded = writer.load();
+    loaded.setPose(map::PlaceId(0), engram::testing::planarPose(8, 8, 8));
+    writer.commit(loaded, loaded.takeChanges());
+    writer.close();
+  }
+  EXPECT_FALSE(std::filesystem::exists(name + "-wal"));
+  EXPECT_EQ(text({}, MapFile::open(name, Access::kReadOnly).load().content()), text({}, map.content()));
+}
+
+TEST_F(MapFileTest, ReadersAndOneWriterGetAlong) {
+  auto map = ringMap(4);
+  MapFile writer = MapFile::create(path("a.engram"), sampleHeader());
+  writer.commit(map, map.takeChanges());
+  const MapFile reader = MapFile::open(path("a.engram"), Access::kReadOnly);
+  EXPECT_EQ(reader.load().places().size(), 4u);
+  map.addPlace({});
+  writer.commit(map, map.takeChanges());
+  EXPECT_EQ(reader.load().places().size(), 5u);
+  MapFile second = MapFile::open(path("a.engram"), Access::kReadWrite);
+  map.addPlace({});
+  writer.commit(map, map.takeChanges());
+  auto loaded = second.load();
+  loaded.addPlace({});
+  EXPECT_THAT(messageOf([&] { second.commit(loaded, loaded.takeChanges()); }), HasSubstr("another program"));
+  EXPECT_EQ(reader.load().places().size(), 6u);
+}
+
+/// F-29: 97 KB a place at update 8. Random numbers compress worse than real ones.
+TEST_F(MapFileTest, PlaceAtUpdateEightTakesLessThanHundredKilobytes) {
+  base::Rng rng(1);
+  map::TopologicalMap map;
+  MapFile file = MapFile::create(path("a.engram"), sampleHeader());
+  for (int i = 0; i < 10; ++i) {
+    map::Place place;
+    place.memory = engram::testing::randomMemory(rng, 764, 8);
+    const auto id = map.addPlace(place);
+    map.addView({.place = id, .label = "image_000123.png"});
+    if (i == 0) continue;
+    map::Edge edge{.a = map::PlaceId(0), .b = id};
+    for (std::uint32_t f = 0; f < 300; ++f) edge.correspondences.emplace_back(f, 2 * f);
+    map.addEdge(edge);
+  }
+  const auto report = sampleReport();
+  file.commit(map, map.takeChanges(), &report);
+  for (int i = 0; i < 80; ++i) file.commit(map, map.takeChanges(), &report);  // eight images a place
+  file.close();
+  EXPECT_LT(std::filesystem::file_size(path("a.engram")) / 10, 100000u);
 }
 
 }  // namespace

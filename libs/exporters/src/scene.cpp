@@ -73,7 +73,6 @@ gl::CRenderizable::Ptr ground(const Extent& e) {
   auto grid = gl::CGridPlaneXY::Create(down(e.low.x()), up(e.high.x()), down(e.low.y()), up(e.high.y()),
                                        static_cast<float>(e.low.z() - 0.1), static_cast<float>(step));
   grid->setColor_u8(TColor(200, 200, 200));
-  grid->enableAntiAliasing(false);  // smooth lines are drawn over everything that stands in front of them
   grid->setName("grid, squares of " + std::to_string(static_cast<int>(step)) + " m");
   return grid;
 }
@@ -192,7 +191,7 @@ gl::COpenGLScene sceneOf(const map::TopologicalMap& map, bool withImages) {
   const double step = typicalStep(map);
   const Extent extent = extentOf(map);
   scene.getViewport()->setCustomBackgroundColor(TColorf(1.0f, 1.0f, 1.0f));
-  scene.insert(ground(extent));
+  const double size = (extent.high - extent.low).norm();
   auto origin = gl::stock_objects::CornerXYZSimple(static_cast<float>(step), 2.0f);
   origin->setName("map frame");
   scene.insert(origin);
@@ -202,11 +201,12 @@ gl::COpenGLScene sceneOf(const map::TopologicalMap& map, bool withImages) {
   scene.insert(labels(map, 0.3 * step));
   if (withImages)
     for (const auto& object : images(map, step)) scene.insert(object);
+  scene.insert(ground(extent));
   auto& camera = scene.getViewport()->getCamera();
   const Eigen::Vector3d middle = (extent.low + extent.high) / 2;
   camera.setPointingAt(static_cast<float>(middle.x()), static_cast<float>(middle.y()),
                        static_cast<float>(middle.z()));
-  camera.setZoomDistance(static_cast<float>(1.3 * std::max((extent.high - extent.low).norm(), 3.0)));
+  camera.setZoomDistance(static_cast<float>(1.3 * std::max(size, 3.0)));
   camera.setAzimuthDegrees(-90);
   camera.setElevationDegrees(55);
   return scene;

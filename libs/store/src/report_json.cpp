@@ -46,7 +46,12 @@ Json memoryToJson(const types::MemoryChange& m) {
           {"short_term", m.shortTerm}};
 }
 
+void requireObject(const Json& j, const char* what) {
+  if (!j.is_object()) throw base::Error(std::string("in a frame record, ") + what + " is not a JSON object");
+}
+
 FrameReport decode(const Json& j) {
+  requireObject(j, "the line");
   FrameReport r;
   read(j, "index", r.index);
   read(j, "stamp", r.stamp);
@@ -59,6 +64,7 @@ FrameReport decode(const Json& j) {
   read(j, "best_guess_interpolated", r.bestGuessInterpolated);
   read(j, "new_place_probability", r.newPlaceProbability);
   for (const Json& h : j.value("hypotheses", Json::array())) {
+    requireObject(h, "a hypothesis");
     auto& out = r.hypotheses.emplace_back();
     out.place = idFromJson(h, "place");
     read(h, "similarity", out.similarity);
@@ -67,6 +73,7 @@ FrameReport decode(const Json& j) {
   }
   read(j, "closure", r.closure);
   const Json m = j.value("memory", Json::object());
+  requireObject(m, "'memory'");
   read(m, "rehearsed", r.memory.rehearsed);
   read(m, "added", r.memory.added);
   read(m, "pruned", r.memory.pruned);
@@ -111,9 +118,7 @@ std::string toJson(const FrameReport& r, bool withTimes) {
 
 FrameReport reportFromJson(const std::string& line) {
   try {
-    const Json j = Json::parse(line);
-    if (!j.is_object()) throw base::Error("a frame record is not a JSON object");
-    return decode(j);
+    return decode(Json::parse(line));
   } catch (const Json::exception& e) {
     throw base::Error(std::string("a frame record is not valid: ") + e.what());
   }

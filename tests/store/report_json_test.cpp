@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/store/report_json.h"
+
+#include "store_fixture.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace engram::store {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(ReportJson, HasTheDocumentedKeys) {
+  EXPECT_EQ(
+      toJson(sampleReport()),
+      R"({"index":42,"stamp":1700000000.25,"label":"img_\"042\".png","outcome":"recognised",)"
+      R"("reason":"too few inliers: 11 of 30","features":512,"place":3,"best_guess":4,)"
+      R"("best_guess_interpolated":3.4,"new_place_probability":0.1,"hypotheses":[)"
+      R"({"place":3,"similarity":0.8,"posterior":0.7,"inliers":120},)"
+      R"({"place":4,"similarity":0.3,"posterior":0.1,"inliers":-1}],"closure":true,)"
+      R"("memory":{"rehearsed":1,"added":2,"pruned":3,"promoted":4,"demoted":5,"long_term":6,"short_term":7},)"
+      R"("times":{"perceive":5.5,"recognise":1.25},"ms":8.5})");
+  EXPECT_THAT(toJson(sampleReport(), false), Not(HasSubstr("\"ms\"")));
+  EXPECT_THAT(toJson(sampleReport(), false), Not(HasSubstr("times")));
+}
+
+TEST(ReportJson, RoundTrips) {
+  EXPECT_EQ(toJson(reportFromJson(toJson(sampleReport()))), toJson(sampleReport()));
+  const types::FrameReport empty;
+  EXPECT_EQ(toJson(reportFromJson(toJson(empty))), toJson(empty));
+  EXPECT_FALSE(reportFromJson(toJson(empty)).place.valid());
+}
+
+TEST(ReportJson, SurvivesStrangeValues) {
+  types::FrameReport r = sampleReport();
+  r.stamp = std::numeric_limits<double>::quiet_NaN();
+  r.label = "caf\xe9\n\x01";
+  const std::string line = toJson(r);
+  EXPECT_THAT(line, HasSubstr("\"stamp\":null"));
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+  EXPECT_TRUE(std::isnan(reportFromJson(line).stamp));
+  for (const char* bad : {"", "[]", "{", "{\"outcome\":\"lost\"}", "{\"index\":\"x\"}",
+                          "{\"hypotheses\":[3]}", "{\"times\":{\"a\":\"b\"}}", "{\"memory\":7}"})
+    EXPECT_THROW(reportFromJson(bad), base::Error) << bad;
+  EXPECT_EQ(reportFromJson("{\"future\":1,\"index\":5}").index, 5u);
+}
+
+}  // namespace
+}  // namespace engram::store
