@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "world_program.h"
 
+#include "engram/base/config.h"
 #include "engram/base/error.h"
 #include "plan_picture.h"
 
