@@ -160,7 +160,7 @@ Drive::Drive(const Route& route, const DriveParams& params, DriveKind kind, std:
     const double bias = (choice.below(2) ? 1 : -1) * 0.22;
     follow(route, start, end, rng.fork(2), bias, 2);
     turnTo(route.at(end).heading + std::numbers::pi);
-    follow(route, end, end - 0.45 * route.length(), rng.fork(3), bias, 2);
+    follow(route, end, end - 0.45 * route.length(), rng.fork(2), bias, 2);
   }
   takeImages();
   readWheels(rng.fork(4));
@@ -179,9 +179,9 @@ void Drive::follow(const Route& route, double from, double to, base::Rng rng, do
   };
   const auto mean = [&](double s) {  // the clamp has steps; the robot has not
     Pose2 sum{0, 0, 0};
-    constexpr int n = 5;
+    constexpr int n = 3;
     for (int k = -n; k <= n; ++k) {
-      const Pose2 p = place(s + 0.04 * k);
+      const Pose2 p = place(s + 0.07 * k);
       sum.x += p.x / (2 * n + 1), sum.y += p.y / (2 * n + 1);
     }
     return sum;

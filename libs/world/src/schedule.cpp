@@ -140,9 +140,12 @@ Appearance Schedule::next(const Appearance& before) const {
   }
   a.changedPosters = posters;
   a.movedFurniture = 0;
-  const int pieces = share(params_.furniture_share, a.furniture.size());
-  for (const int i : choose(pieces, static_cast<int>(a.furniture.size()), rng))
+  const int pieces = share(params_.furniture_share, a.furniture.size()),
+            all = static_cast<int>(a.furniture.size());
+  for (const int i : choose(all, all, rng)) {  // in random order: some have nowhere to go
+    if (a.movedFurniture == pieces) break;
     a.movedFurniture += building_.place(a.furniture[static_cast<std::size_t>(i)], a.furniture, i, rng);
+  }
   std::vector<int> movable;
   for (std::size_t i = 0; i < a.doorOpen.size(); ++i)
     if (!building_.doors()[i].onRoute) movable.push_back(static_cast<int>(i));

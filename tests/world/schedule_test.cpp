@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/world/schedule.h"
+
+#include "engram/base/error.h"
+#include "tiny_world.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+namespace engram::world {
+namespace {
+
+const Building& office() {
+  static const Building building(presetPlan("office", 1), 1);
+  return building;
+}
+
+TEST(Building, FillsAnOffice) {
+  std::size_t rooms = 0;
+  for (const auto& r : office().rooms()) rooms += !r.isCorridor();
+  EXPECT_GE(rooms, 12u);
+  EXPECT_GE(office().posterSpots().size(), 40u);
+  EXPECT_GE(office().furniture().size(), 60u);
+  EXPECT_GE(office().doors().size(), 15u);
+  for (std::size_t i = 0; i < office().furniture().size(); ++i)
+    EXPECT_TRUE(office().fits(office().furniture()[i], office().furniture(), static_cast<int>(i))) << i;
+}
+
+// Each session replaces exactly the configured share of posters, and no more of anything than asked.
+TEST(Schedule, ChangesTheConfiguredShares) {
+  ChangeParams p;
+  p.poster_share = 0.25, p.furniture_share = 0.3, p.door_share = 0.5;
+  Schedule schedule(office(), p);
+  for (int n = 2; n <= 6; ++n) {
+    const Appearance a = schedule.session(n - 1), b = schedule.session(n);
+    int posters = 0, furniture = 0, doors = 0;
+    for (std::size_t i = 0; i < a.posters.size(); ++i) posters += a.posters[i] != b.posters[i];
+    for (std::size_t i = 0; i < a.furniture.size(); ++i)
+      furniture += a.furniture[i].centre != b.furniture[i].centre;
+    for (std::size_t i = 0; i < a.doorOpen.size(); ++i) doors += a.doorOpen[i] != b.doorOpen[i];
+    EXPECT_EQ(posters, std::lround(0.25 * static_cast<double>(a.posters.size())));
+    EXPECT_EQ(posters, b.changedPosters);
+    EXPECT_EQ(furniture, b.movedFurniture);
+    EXPECT_EQ(furniture, std::lround(0.3 * static_cast<double>(a.furniture.size())));
+    EXPECT_EQ(doors, b.changedDoors);
+    for (std::size_t i = 0; i < office().doors().size(); ++i)
+      EXPECT_TRUE(b.doorOpen[i] || !office().doors()[i].onRoute);
+    EXPECT_GT(b.stamp(), a.stamp());
+  }
+}
+
+TEST(Schedule, IsDeterministicAndCanStandStill) {
+  ChangeParams still{.poster_share = 0, .furniture_share = 0, .door_share = 0, .light = false};
+  Schedule s(office(), still);
+  const Appearance first = s.session(1), fifth = s.session(5);
+  EXPECT_EQ(first.posters, fifth.posters);
+  EXPECT_EQ(first.doorOpen, fifth.doorOpen);
+  EXPECT_EQ(first.lampOn, fifth.lampOn);
+  EXPECT_EQ(first.hour, fifth.hour);
+  Schedule a(office(), {}), b(office(), {});
+  b.session(8);
+  EXPECT_EQ(a.session(3).posters, b.session(3).posters);
+  EXPECT_EQ(a.session(3).inWords(), b.session(3).inWords());
+  EXPECT_THROW(a.session(0), base::Error);
+}
+
+TEST(Schedule, SunRisesInTheEastAndIsHighestAtNoon) {
+  Schedule s(office(), {});
+  std::set<int> seasons;
+  bool dark = false, bright = false;
+  for (int n = 1; n <= 20; ++n) {
+    const Appearance a = s.session(n);
+    EXPECT_NEAR(a.toSun.norm(), 1, 1e-5);
+    EXPECT_EQ(a.toSun.x() > 0, a.hour < 12) << a.inWords();
+    if (a.hour > 21) {
+      EXPECT_LT(a.toSun.z(), 0.0f);
+    }
+    if (std::abs(a.hour - 12) < 1) {
+      EXPECT_GT(a.toSun.z(), 0.3f);
+    }
+    seasons.insert(a.season);
+    dark |= (a.daylight < 0.1f).all();
+    bright |= (a.daylight.head<3>() > 2.0f).all();
+  }
+  EXPECT_GE(seasons.size(), 3u);
+  EXPECT_TRUE(dark && bright);
+}
+
+}  // namespace
+}  // namespace engram::world
