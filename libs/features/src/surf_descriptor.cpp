@@ -117,13 +117,13 @@ ENGRAM_INLINE void haarResponses(const IntegralImage& image, const Pattern<N>& p
     offset[i] = fits ? y * stride + x : h * stride + h;
     weight[i] = fits ? pattern.weight[i] : 0.0f;
   }
-  const std::uint32_t *top = image.row(0) - h * stride, *middle = image.row(0),
-                      *bottom = image.row(0) + h * stride;
+  const std::uint32_t* sums = image.row(0);
+  const int down = h * stride;
   for (int i = 0; i < N; ++i) {
-    const int left = offset[i] - h, centre = offset[i], right = offset[i] + h;
-    const std::uint32_t a = top[left], b = top[centre], e = top[right];
-    const std::uint32_t d = middle[left], f = middle[right];
-    const std::uint32_t g = bottom[left], k = bottom[centre], m = bottom[right];
+    const std::uint32_t* p = sums + offset[i];
+    const std::uint32_t a = p[-down - h], b = p[-down], e = p[-down + h];
+    const std::uint32_t d = p[-h], f = p[h];
+    const std::uint32_t g = p[down - h], k = p[down], m = p[down + h];
     const auto x = static_cast<std::int32_t>((m - e) - 2 * (k - b) + (g - a));
     const auto y = static_cast<std::int32_t>((m - g) - 2 * (f - d) + (e - a));
     outX[i] = static_cast<float>(x) * weight[i];
