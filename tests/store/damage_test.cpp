@@ -6,9 +6,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <csignal>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace engram::store {
 namespace {
@@ -118,6 +121,28 @@ TEST_F(DamageTest, CheckListsTheDamagedRows) {
   EXPECT_THAT(problems.front(), HasSubstr("place 2: its checksum is wrong"));
   EXPECT_THAT(messageOf([&] { MapFile::open(name_, Access::kReadOnly).load(); }),
               HasSubstr("place 2: its checksum is wrong"));
+}
+
+/// Another journal mode than ours may have been cut off in the middle of a commit: the commit is undone, then
+/// read.
+TEST_F(DamageTest, CutOffCommitIsUndone) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    sqlite3* db = nullptr;
+    sqlite3_open(name_.c_str(), &db);
+    sqlite3_exec(db,
+                 "PRAGMA cache_size = 1; PRAGMA journal_mode = DELETE; BEGIN; DELETE FROM memories;"
+                 "UPDATE places SET data = zeroblob(20000); UPDATE views SET data = zeroblob(20000);",
+                 nullptr, nullptr, nullptr);
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(std::filesystem::exists(name_ + "-journal"));
+  ASSERT_NE(fileBytes(name_), good_);
+  EXPECT_EQ(content().value_or("refused"), truth_);
+  EXPECT_FALSE(std::filesystem::exists(name_ + "-journal"));
 }
 
 /// A file size limit is the disk that is full: the commit fails as a whole, and what was there stays.

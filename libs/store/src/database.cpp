@@ -120,10 +120,18 @@ Database::Database(const std::string& path, Mode mode) : path_(path) {
     try {
       connect(file, SQLITE_OPEN_READONLY);
     } catch (const base::Error&) {
-      // A map whose writer was killed can be read on a read-only medium too, if its log was folded in by a
-      // copy.
-      if (fs::exists(file + "-wal") || fs::exists(file + "-journal")) throw;
-      connect("file:" + percentEncoded(file) + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+      if (fs::exists(file + "-journal")) {
+        // A commit was cut off: undo it first, which a reader may not.
+        connect(file, SQLITE_OPEN_READWRITE);
+        sqlite3_close(handle_);
+        connect(file, SQLITE_OPEN_READONLY);
+      } else if (!fs::exists(file + "-wal")) {
+        // Copied without its log while a writer had it open, and the medium is read-only: nobody can change
+        // it.
+        connect("file:" + percentEncoded(file) + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+      } else {
+        throw;
+      }
     }
     return;
   }
