@@ -5,6 +5,8 @@
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
+#include "engram/exporters/exporters.h"
+#include "engram/exporters/html_report.h"
 #include "engram/store/report_json.h"
 
 #include <nlohmann/json.hpp>
@@ -114,10 +116,19 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::Mapper& mapper, 
 /// Everything a person may want to open, in one folder.
 void SlamProgram::writeReport(const store::MapFile& file, const map::TopologicalMap& map) const {
   const fs::path folder = report_;
-  std::string records;
-  for (const auto& report : file.records()) records += store::toJson(report) + "\n";
-  writeFileAtomically((folder / "images.jsonl").string(), records);
-  (void)map;
+  const std::vector<types::FrameReport> records = file.records();
+  std::string lines;
+  for (const auto& report : records) lines += store::toJson(report) + "\n";
+  exporters::HtmlReport page;
+  page.title = "Map " + fs::path(file.path()).filename().string();
+  page.header = &file.header();
+  page.map = &map;
+  page.records = records;
+  exporters::writeText((folder / "images.jsonl").string(), lines, true);
+  exporters::writeText((folder / "index.html").string(), exporters::toHtml(page), true);
+  exporters::writeScene((folder / "map.3Dscene").string(), map, {.images = true, .overwrite = true});
+  exporters::writeGraph((folder / "map.graph").string(), map, true);
+  exporters::writeTum((folder / "trajectory.tum").string(), map, true);
 }
 
 }  // namespace engram::apps
