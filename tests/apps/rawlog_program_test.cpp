@@ -196,13 +196,24 @@ TEST_F(RawlogTool, BadInput) {
   EXPECT_FALSE(fs::exists(out));
 }
 
+TEST_F(RawlogTool, RealRawlogWithoutImages) {
+  const std::string file = "/usr/share/mrpt/datasets/localization_demo.rawlog";
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is missing: install mrpt-common";
+  const Result info = run({"info", file, "-q"});
+  EXPECT_EQ(info.code, kOk);
+  EXPECT_THAT(info.out, HasSubstr("odometry: 37 readings, path 13.00 m"));
+  EXPECT_THAT(info.err, HasSubstr("but no images"));
+  EXPECT_EQ(run({"unpack", file, "--out", path("u")}).code, kError);
+  EXPECT_FALSE(fs::exists(path("u")));
+}
+
 TEST_F(RawlogTool, DamagedInputIsUsedInPartAndSaid) {
   makeImages("in", 6);
   ASSERT_EQ(run({"pack", "--images", path("in"), "--out", path("a.rawlog"), "-q"}).code, kOk);
   fs::resize_file(path("a.rawlog"), fs::file_size(path("a.rawlog")) / 2);
   const Result info = run({"info", path("a.rawlog"), "--json", path("i.json"), "-q"});
   EXPECT_EQ(info.code, kPartial);
-  EXPECT_THAT(info.err, AllOf(HasSubstr("truncated"), HasSubstr("before it read")));
+  EXPECT_THAT(info.err, AllOf(HasSubstr("truncated"), HasSubstr("images read")));
   EXPECT_THAT(json("i.json")["damage"].get<std::string>(), HasSubstr("truncated"));
   const Result unpack = run({"unpack", path("a.rawlog"), "--out", path("u"), "-q"});
   EXPECT_EQ(unpack.code, kPartial);

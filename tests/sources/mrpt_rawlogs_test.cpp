@@ -39,19 +39,26 @@ INSTANTIATE_TEST_SUITE_P(
     Shipped, MrptRawlogs,
     testing::Values(
         Shipped{"2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog", 224,
-                "CActionRobotMovement2D 224, CObservation2DRangeScan 225"},
-        Shipped{"localization_demo.rawlog", 37, "CActionRobotMovement2D 37, CObservation2DRangeScan 37"},
-        Shipped{"RO-SLAM_demo.rawlog", 100, "CActionRobotMovement2D 100, CObservationBeaconRanges 100"},
-        Shipped{"kf-slam_6D_demo.rawlog", 0, "CActionRobotMovement3D 600, CObservationBearingRange 600"},
-        Shipped{"kf-slam_demo.rawlog", 250, "CActionRobotMovement2D 250, CObservationBearingRange 250"},
+                "(CObservation2DRangeScan 225) and 224 actions (CActionRobotMovement2D 224) but no images"},
+        Shipped{"localization_demo.rawlog", 37,
+                "(CObservation2DRangeScan 37) and 37 actions (CActionRobotMovement2D 37) but no images"},
+        Shipped{"RO-SLAM_demo.rawlog", 100,
+                "(CObservationBeaconRanges 100) and 100 actions (CActionRobotMovement2D 100) but no images"},
+        Shipped{"kf-slam_6D_demo.rawlog", 0,
+                "(CObservationBearingRange 600) and 600 actions (CActionRobotMovement3D 600) but no images"},
+        Shipped{"kf-slam_demo.rawlog", 250,
+                "(CObservationBearingRange 250) and 250 actions (CActionRobotMovement2D 250) but no images"},
         Shipped{"test_rtk_path.rawlog", 0, "CObservationComment 1, CObservationGPS 691"},
         Shipped{"tests_rgbd.rawlog", 0, "CObservation3DRangeScan 1"},
         Shipped{"uwb_ro-localization_demo.rawlog", 343,
-                "CActionRobotMovement2D 343, CObservation2DRangeScan 343, CObservationBeaconRanges 339"},
-        Shipped{"graphslam-engine-demos/action_observations_map/range_030_bearing_015.rawlog", 1460,
-                "CActionRobotMovement2D 1460, CObservation2DRangeScan 1460"},
-        Shipped{"graphslam-engine-demos/action_observations_map/simul.rawlog", 1733,
-                "CActionRobotMovement2D 1733, CObservation2DRangeScan 1733"}));
+                "(CObservation2DRangeScan 343, CObservationBeaconRanges 339) and 343 actions "
+                "(CActionRobotMovement2D 343) but no images"},
+        Shipped{
+            "graphslam-engine-demos/action_observations_map/range_030_bearing_015.rawlog", 1460,
+            "(CObservation2DRangeScan 1460) and 1460 actions (CActionRobotMovement2D 1460) but no images"},
+        Shipped{
+            "graphslam-engine-demos/action_observations_map/simul.rawlog", 1733,
+            "(CObservation2DRangeScan 1733) and 1733 actions (CActionRobotMovement2D 1733) but no images"}));
 
 }  // namespace
 }  // namespace engram::sources::test

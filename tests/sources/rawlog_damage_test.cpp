@@ -192,7 +192,7 @@ TEST(RawlogDamage, MessageNamesPlaceAndReason) {
   writeAll(folder.path("a.rawlog"), bytes);
   const auto reading = readDamaged(folder.path("a.rawlog"));
   EXPECT_THAT(reading.problem, HasSubstr("damaged at byte"));
-  EXPECT_THAT(reading.problem, HasSubstr("it is truncated; 12 images before it read"));
+  EXPECT_THAT(reading.problem, HasSubstr("it is truncated; 12 images read"));
 }
 
 }  // namespace

@@ -138,7 +138,9 @@ std::vector<unsigned char> readAll(const std::string& path) {
 
 void writeAll(const std::string& path, const std::vector<unsigned char>& bytes) {
   std::error_code ignored;
-  fs::remove(path, ignored);  // some file systems flush a file that is truncated and written anew, thousands of times
+  fs::remove(
+      path,
+      ignored);  // some file systems flush a file that is truncated and written anew, thousands of times
   std::ofstream out(path, std::ios::binary);
   out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }

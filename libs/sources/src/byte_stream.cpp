@@ -85,8 +85,10 @@ std::size_t ByteStream::inflateInto(std::uint8_t* to, std::size_t n) {
     inflater_->inMember = false;
   } else if (code != Z_OK && code != Z_BUF_ERROR) {
     atEnd_ = true;
-    error_ =
-        std::string("the compressed data are damaged (") + (stream.msg ? stream.msg : "zlib error") + ")";
+    const std::string message = stream.msg ? stream.msg : "zlib error";
+    // A wrong checksum shows only at the end: nobody can say which of the objects read before are damaged.
+    error_ = message == "incorrect data check" ? "the checksum is wrong: something that was read is damaged"
+                                               : "the compressed data are damaged (" + message + ")";
   }
   return n - stream.avail_out;
 }

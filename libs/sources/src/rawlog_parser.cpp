@@ -73,14 +73,19 @@ std::string textAtEnd(std::span<const std::uint8_t> bytes) {
   return {};
 }
 
-/// What looks like the label of an object of any class: the last printable text with its length before it.
+/// What looks like the label of an object of any class: the last text of letters and digits with its length
+/// before it.
 std::string guessLabel(std::span<const std::uint8_t> bytes) {
+  const auto isLabelChar = [](std::uint8_t c) {
+    return std::isalnum(c) != 0 || (c != 0 && std::strchr("_-./ ", c) != nullptr);
+  };
   for (std::size_t i = bytes.size(); i-- > 0;) {
-    if (bytes.size() - i < 6) continue;
+    if (bytes.size() - i < 8) continue;
     const std::uint32_t n = lengthAt(bytes.subspan(i));
-    if (n < 2 || n > 64 || n > bytes.size() - i - 4) continue;
+    if (n < 4 || n > 64 || n > bytes.size() - i - 4) continue;
     const auto text = bytes.subspan(i + 4, n);
-    if (isPrintable(text)) return {text.begin(), text.end()};
+    if (std::isalpha(text[0]) != 0 && std::all_of(text.begin(), text.end(), isLabelChar))
+      return {text.begin(), text.end()};
   }
   return {};
 }

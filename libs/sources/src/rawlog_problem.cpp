@@ -13,19 +13,23 @@ std::string count(std::size_t n, const std::string& what) {
 
 std::string named(const std::string& label) { return label.empty() ? "''" : label; }
 
-/// "225 observations (CObservation2DRangeScan 225) and 224 odometry readings"
+/// "225 observations (CObservation2DRangeScan 225) and 224 actions (CActionRobotMovement2D 224)"
 std::string describeContent(const RawlogStats& stats) {
-  std::size_t observations = 0;
-  std::string classes;
+  std::size_t observations = 0, actions = 0;
+  std::string observed, acted;
   for (const auto& [name, labels] : stats.objects) {
     if (name == "CSensoryFrame" || name == "CActionCollection") continue;
     std::size_t n = 0;
     for (const auto& [label, times] : labels) n += times;
-    observations += n;
-    classes += (classes.empty() ? "" : ", ") + name + " " + std::to_string(n);
+    const bool isAction = name.rfind("CAction", 0) == 0;
+    (isAction ? actions : observations) += n;
+    auto& list = isAction ? acted : observed;
+    list += (list.empty() ? "" : ", ") + name + " " + std::to_string(n);
   }
   std::string text = count(observations, "observation");
-  return classes.empty() ? text : text + " (" + classes + ")";
+  if (observations > 0) text += " (" + observed + ")";
+  if (actions > 0) text += " and " + count(actions, "action") + " (" + acted + ")";
+  return text;
 }
 
 std::string listCameras(const RawlogStats& stats) {
@@ -54,7 +58,7 @@ std::string describeProblem(const std::string& path, const std::string& damage, 
   const auto say = [&](std::size_t n, const std::string& what, const std::string& fate) {
     if (n > 0) parts.push_back(count(n, what) + " " + fate);
   };
-  if (!damage.empty()) parts.push_back(damage + "; " + count(stats.images, "image") + " before it read");
+  if (!damage.empty()) parts.push_back(damage + "; " + count(stats.images, "image") + " read");
   if (stats.cameras.empty()) parts.push_back("it holds " + describeContent(stats) + " but no images");
   if (const auto choice = describeChoice(stats, params, usedLabel); !choice.empty()) parts.push_back(choice);
   say(stats.imagesDamaged, "image", "left out: damaged (" + stats.firstFailure + ")");
