@@ -8,11 +8,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <sys/wait.h>
 
 namespace engram::apps {
 namespace {
@@ -162,6 +165,43 @@ TEST_F(DataSet, RefusesWhatItCannotDo) {
   EXPECT_EQ(make("b", {"--textures", path("nothing")}), 1);
   EXPECT_EQ(run({"render", "--preset", "tiny", "--pose", "1;2", "--out", path("x.png")}), 1);
   EXPECT_THAT(err_.str(), HasSubstr("x,y,heading"));
+}
+
+TEST_F(DataSet, PhotographsHangAsPosters) {
+  fs::create_directories(folder_ / "photos");
+  cv::imwrite(path("photos/a.png"), cv::Mat(40, 30, CV_8UC3, cv::Scalar(255, 0, 255)));
+  std::ofstream(folder_ / "photos/notes.txt") << "not an image";
+  const std::vector<std::string> view{"render",  "--preset", "tiny",      "--camera",
+                                      "pinhole", "--pose",   "4,1.75,20", "--out"};
+  auto plain = view, photos = view;
+  plain.push_back(path("plain.png"));
+  photos.insert(photos.end(), {path("photos.png"), "--textures", path("photos")});
+  ASSERT_EQ(run(plain), 0) << err_.str();
+  ASSERT_EQ(run(photos), 0) << err_.str();
+  const auto magenta = [&](const std::string& name) {
+    cv::Mat mask;
+    cv::inRange(cv::imread(path(name)), cv::Scalar(40, 0, 40), cv::Scalar(255, 30, 255), mask);
+    return cv::countNonZero(mask);
+  };
+  EXPECT_GT(magenta("photos.png"), magenta("plain.png") + 500);
+}
+
+TEST_F(DataSet, AnInterruptionLeavesWholeSessionsOnly) {
+  const std::string command = "timeout --preserve-status -s INT 2 " ENGRAM_BIN_DIR
+                              "/engram-world make --preset office --sessions 50 --out " +
+                              path("a") + " 2> " + path("messages");
+  const int status = std::system(command.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 3) << read("messages");
+  EXPECT_THAT(read("messages"), HasSubstr("stopped"));
+  const auto info = nlohmann::json::parse(read("a/world.json"));
+  EXPECT_FALSE(info["complete"]);
+  std::size_t rawlogs = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "a")) {
+    EXPECT_NE(entry.path().extension(), ".partial") << entry.path();
+    rawlogs += entry.path().extension() == ".rawlog";
+  }
+  EXPECT_EQ(rawlogs, info["sessions"].size());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/world/scene.h"
 
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -14,11 +15,18 @@ constexpr float kFar = 30.0f;         // [m] distance of the scenery outside
 constexpr float kGrimeScale = 0.19f;  // repetitions per metre, no simple ratio to those of the walls
 
 int mipLevel(float texels, float dither) {
-  // log2 by the exponent of the float: the fraction is linear, which is what the dither wants.
+  // log2 from the bits of the float: the fraction is linear, which is what the dither wants.
   if (texels <= 1.0f) return 0;
-  int exponent = 0;
-  const float mantissa = std::frexp(texels, &exponent);  // in [0.5, 1)
-  return static_cast<int>(static_cast<float>(exponent - 1) + (2 * mantissa - 1) + dither);
+  return static_cast<int>(static_cast<float>(std::bit_cast<std::int32_t>(texels) - (127 << 23)) * 0x1p-23f +
+                          dither);
+}
+
+// Whether a ray passes the axis of a pillar near enough and before t; most do not.
+bool passes(const Pillar& q, const Array3f& o, const Array3f& d, float t) {
+  constexpr float widest = 0.45f * 0.45f;
+  const float dx = q.centre.x() - o[0], dy = q.centre.y() - o[1];
+  const float flat2 = d[0] * d[0] + d[1] * d[1], cross = d[0] * dy - d[1] * dx, dot = dx * d[0] + dy * d[1];
+  return cross * cross <= widest * flat2 && dot > 0.05f * flat2 && dot < t * flat2 && flat2 > 1e-8f;
 }
 
 float slant(float cosine) {
@@ -205,11 +213,8 @@ bool Scene::pillarColour(const Pillar& q, const Array3f& o, const Array3f& d, fl
                          float& t, Colour& out) const {
   const float dx = q.centre.x() - o[0], dy = q.centre.y() - o[1];
   const float flat = std::sqrt(d[0] * d[0] + d[1] * d[1]);
-  if (flat < 1e-4f) return false;
   const float at = (dx * d[0] + dy * d[1]) / (flat * flat);
-  if (at <= 0.05f || at >= t) return false;
   const float b = (d[0] * dy - d[1] * dx) / flat;  // the axis is this far to the left of the ray
-  if (std::abs(b) > 0.45f) return false;
   const float f = (o[2] + at * d[2]) / q.height;
   if (f < 0 || f > 1) return false;
   float radius = 0, offset = b;
@@ -255,8 +260,9 @@ Colour Scene::radiance(const Array3f& o, const Array3f& d, float footprint, floa
   float t = hit.t;
   Colour out = Colour::Zero();
   bool covered = false;
-  for (const auto& q : people) covered |= pillarColour(q, o, d, footprint, dither, t, out);
-  for (const auto& q : plants_) covered |= pillarColour(q, o, d, footprint, dither, t, out);
+  for (const auto& list : {people, std::span<const Pillar>(plants_)})
+    for (const auto& q : list)
+      if (passes(q, o, d, t)) covered |= pillarColour(q, o, d, footprint, dither, t, out);
   if (covered) return out;
   if (hit.kind == Hit::Kind::kOutside) return skyColour(o, d, footprint, dither);
   const Array3f p = o + d * t;

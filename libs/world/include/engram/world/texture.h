@@ -9,6 +9,10 @@
 #include <cstdint>
 #include <vector>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 namespace engram::world {
 
 /// Linear light or reflectance as (b, g, r, unused); four floats for the sake of vector instructions.
@@ -54,9 +58,17 @@ class Texture {
   }
   static Colour decode(std::uint32_t p) {
     constexpr float k = 1.0f / 255.0f;
+#ifdef __SSE2__
+    const __m128i zero = _mm_setzero_si128();
+    const __m128i wide = _mm_unpacklo_epi8(_mm_cvtsi32_si128(static_cast<int>(p)), zero);
+    alignas(16) float channels[4];
+    _mm_store_ps(channels, _mm_mul_ps(_mm_cvtepi32_ps(_mm_unpacklo_epi16(wide, zero)), _mm_set1_ps(k)));
+    return Eigen::Map<const Colour, Eigen::Aligned16>(channels);
+#else
     return Colour(static_cast<float>(p & 255), static_cast<float>((p >> 8) & 255),
                   static_cast<float>((p >> 16) & 255), 0.0f) *
            k;
+#endif
   }
 
   std::vector<Level> levels_;
