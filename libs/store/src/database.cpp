@@ -123,7 +123,7 @@ Database::Database(const std::string& path, Mode mode) : path_(path) {
       if (fs::exists(file + "-journal")) {
         // A commit was cut off: undo it first, which a reader may not.
         connect(file, SQLITE_OPEN_READWRITE);
-        sqlite3_close(handle_);
+        handle_.reset();
         connect(file, SQLITE_OPEN_READONLY);
       } else if (!fs::exists(file + "-wal")) {
         // Copied without its log while a writer had it open, and the medium is read-only: nobody can change
@@ -141,29 +141,30 @@ Database::Database(const std::string& path, Mode mode) : path_(path) {
   execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
 }
 
+void Database::Close::operator()(sqlite3* handle) const { sqlite3_close(handle); }
+
 void Database::connect(const std::string& file, int flags) {
-  int code = sqlite3_open_v2(file.c_str(), &handle_, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  sqlite3* opened = nullptr;
+  int code = sqlite3_open_v2(file.c_str(), &opened, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  handle_.reset(opened);
   if (code == SQLITE_OK) {
-    sqlite3_extended_result_codes(handle_, 1);
-    sqlite3_busy_timeout(handle_, kBusyTimeoutMs);
-    sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, kMaxRowBytes);
-    sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-    code = sqlite3_exec(handle_,
+    sqlite3_extended_result_codes(opened, 1);
+    sqlite3_busy_timeout(opened, kBusyTimeoutMs);
+    sqlite3_limit(opened, SQLITE_LIMIT_LENGTH, kMaxRowBytes);
+    sqlite3_db_config(opened, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    code = sqlite3_exec(opened,
                         "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA application_id;"
                         "SELECT count(*) FROM sqlite_master;",
                         nullptr, nullptr, nullptr);
   }
   if (code == SQLITE_OK) return;
-  const std::string why = explanation(code, sqlite3_system_errno(handle_));
-  sqlite3_close(handle_);
-  handle_ = nullptr;
+  const std::string why = explanation(code, sqlite3_system_errno(opened));
+  handle_.reset();
   throw base::Error("map '" + path_ + "': " + why);
 }
 
-Database::~Database() { sqlite3_close(handle_); }
-
 void Database::execute(const char* sql) {
-  const int code = sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr);
+  const int code = sqlite3_exec(handle_.get(), sql, nullptr, nullptr, nullptr);
   if (code != SQLITE_OK) fail(code);
 }
 
@@ -174,10 +175,10 @@ std::int64_t Database::number(const char* sql) {
 }
 
 void Database::fail(int code) const {
-  const int extended = sqlite3_extended_errcode(handle_);
+  const int extended = sqlite3_extended_errcode(handle_.get());
   const bool same = (extended & 0xff) == (code & 0xff);
-  throw base::Error("map '" + path_ +
-                    "': " + explanation(same ? extended : code, same ? sqlite3_system_errno(handle_) : 0));
+  throw base::Error("map '" + path_ + "': " +
+                    explanation(same ? extended : code, same ? sqlite3_system_errno(handle_.get()) : 0));
 }
 
 Transaction::Transaction(Database& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }

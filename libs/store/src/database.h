@@ -5,6 +5,7 @@
 #include "blob.h"
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -45,14 +46,14 @@ class Database {
  public:
   enum class Mode { kCreate, kReadWrite, kReadOnly };
   Database(const std::string& path, Mode mode);
-  ~Database();
+  ~Database() = default;
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
   void execute(const char* sql);
   std::int64_t number(const char* sql);
   const std::string& path() const { return path_; }
-  sqlite3* handle() const { return handle_; }
+  sqlite3* handle() const { return handle_.get(); }
 
   /// Throws what the last SQLite call failed with.
   [[noreturn]] void fail(int code) const;
@@ -60,8 +61,12 @@ class Database {
  private:
   void connect(const std::string& file, int flags);
 
+  struct Close {
+    void operator()(sqlite3* handle) const;
+  };
+
   std::string path_;
-  sqlite3* handle_ = nullptr;
+  std::unique_ptr<sqlite3, Close> handle_;  // closed too when a constructor throws
 };
 
 /// Begins a writing transaction and rolls it back unless commit() was called.
