@@ -101,9 +101,9 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::Mapper& mapper, 
                           std::ostream& err) {
   const map::TopologicalMap& map = mapper.map();
   if (truth && truth->hasPoses()) figures.setTrajectoryError(trajectoryError(map, mapper.session(), truth->poses()));
+  if (!report_.empty()) writeReport(file, map);
   file.close();
   const auto bytes = fs::file_size(file.path());
-  if (!report_.empty()) writeReport(file, map);
   writeJson(json_, figures.toJson(map, bytes, peakResidentBytes()));
   if (!quiet_) figures.print(out, map, file.path(), bytes);
 
