@@ -18,7 +18,7 @@ struct FshParams {
   double fixed_sigma = 0.25;                    ///< sigma_m when vote_variance = fixed; a descriptor distance
   std::string new_vote = "max";                 ///< norm of the responses in F eq (3) (F-E8)
   int ltm_min_features = 280;           ///< floor of the long-term memory (F-E10; F-30 reports <= 284)
-  int max_features = 800;               ///< cap on short- and long-term features together (F-30)
+  int max_features = 764;               ///< cap on short- and long-term features together (F-30)
   std::string keep_descriptor = "old";  ///< of a re-observed feature (F-E22)
   int history_length = 32;              ///< kept values of rfsh (F-04)
   double duplicate_distance = 0.1;  ///< descriptor distance; no insertion next to a feature so near (F-E4)
