@@ -127,7 +127,8 @@ void Mapper::verify(Work& work) {
     if (recogniser_.neighbourhoodMass(hypothesis.place) < params_.belief.accept_threshold) continue;
     const PlaceMatch& match = tryPlace(hypothesis.place);
     hypothesis.inliers = static_cast<int>(match.matches.size());
-    if (strongEnough(match, params_.recognise) && belongsTo(hypothesis.place, match)) {
+    if (strongEnough(match, params_.recognise) && belongsTo(hypothesis.place, match) &&
+        (!isClosure(hypothesis.place) || closable(hypothesis.place, match))) {
       work.accepted = work.candidates.back();
       return;
     }
@@ -158,13 +159,26 @@ std::optional<std::pair<base::PlaceId, double>> Mapper::nearestByOdometry() cons
   return best;
 }
 
+/// A place that the graph has no short way to: to recognise it adds an edge.
+bool Mapper::isClosure(base::PlaceId place) const {
+  return anchor_.valid() && map_.hopDistances(anchor_, params_.place.recent_hops).count(place) == 0;
+}
+
+/// A closure needs more evidence than a step within the map, and must not ask for more drift than odometry has.
+bool Mapper::closable(base::PlaceId place, const PlaceMatch& match) const {
+  if (static_cast<int>(match.matches.size()) < params_.recognise.closure_inliers) return false;
+  const auto visited = lastVisit_.find(place);
+  if (!metric() || visited == lastVisit_.end()) return true;
+  const double drift = params_.odometry.max_drift * (travelled_ - visited->second);
+  return T_place_robot(place).translation().norm() <= 2.0 * params_.place.spacing + drift;
+}
+
 /// Whether a verified view is still of this place, or of a new one beside it (F-07).
 bool Mapper::belongsTo(base::PlaceId place, const PlaceMatch& match) const {
   if (!anchor_.valid()) return true;
   if (!metric()) return !isRecent(place) || match.similarity >= params_.place.same_similarity;
-  const bool near = map_.hopDistances(anchor_, params_.place.recent_hops).count(place) > 0;
   const double limit = params_.place.spacing * (frontier_ ? 1.0 : kLeaveFactor);
-  return !near || T_place_robot(place).translation().norm() < limit;
+  return isClosure(place) || T_place_robot(place).translation().norm() < limit;
 }
 
 /// Recognised, new, or refused.
@@ -196,6 +210,7 @@ void Mapper::decide(Work& work) {
 void Mapper::remember(Work& work) {
   if (work.report.outcome == types::Outcome::kRefused) return;
   const StepTimer timer(work.report, "remember");
+  travelled_ += reckoning_.distance();
   reckoning_.markKeyframe();
   lastKeyframe_ = work.features;
   if (work.makesPlace) return addPlace(work);
@@ -210,9 +225,10 @@ void Mapper::remember(Work& work) {
 void Mapper::relate(Work& work) {
   const StepTimer timer(work.report, "relate");
   if (work.accepted) joinPlace(work, *work.accepted);
-  if (anchor_.valid())
-    map_.addPathPoint({session_, work.frame.stamp, anchor_,
-                       metric() ? reckoning_.anchorToRobot().T_a_b : Eigen::Isometry3d::Identity()});
+  if (!anchor_.valid()) return;
+  lastVisit_[anchor_] = travelled_;
+  map_.addPathPoint({session_, work.frame.stamp, anchor_,
+                     metric() ? reckoning_.anchorToRobot().T_a_b : Eigen::Isometry3d::Identity()});
 }
 
 /// A new node with its edge to where the robot came from (F-05, F-07, A-03).
@@ -299,7 +315,7 @@ void Mapper::joinPlace(Work& work, const Candidate& candidate) {
   const auto& [id, match] = candidate;
   if (isRecent(id) && metric()) return;  // odometry since the anchor is better than the place's extent
 
-  const bool near = anchor_.valid() && map_.hopDistances(anchor_, params_.place.recent_hops).count(id) > 0;
+  const bool near = anchor_.valid() && !isClosure(id);
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // at the place itself, unless odometry knows better
   if (near && metric()) {
     offset = T_place_robot(id).translation();
@@ -310,7 +326,7 @@ void Mapper::joinPlace(Work& work, const Candidate& candidate) {
   const double extent = 0.5 * params_.place.spacing;
   atPlace.cov = planarCovariance(extent, extent, 0.05, params_.odometry.sigma_floor);
 
-  if (anchor_.valid() && !near) {
+  if (isClosure(id)) {
     map::Edge edge;
     edge.type = map_.place(id).session == session_ ? map::EdgeType::kLoop : map::EdgeType::kRecognition;
     edge.a = anchor_;

@@ -13,7 +13,8 @@ void SelectParams::describe(base::Params& p) {
 }
 
 void PlaceParams::describe(base::Params& p) {
-  p.add("spacing", spacing, "with odometry: distance from one place to the next [m]", {0.05, 100});
+  p.add("spacing", spacing, "with odometry: distance from all places at which an image makes a new one [m]",
+        {0.05, 100});
   p.add("same_similarity", same_similarity,
         "without odometry: an image this similar to a place just made belongs to it", {0, 1});
   p.add("recent_hops", recent_hops, "places this near to the newest one in the graph are no loop closure [edges]",
@@ -26,6 +27,7 @@ void PlaceParams::describe(base::Params& p) {
 void RecogniseParams::describe(base::Params& p) {
   p.add("candidates", candidates, "hypotheses that go to geometric verification", {1, 1000});
   p.add("accept_inliers", accept_inliers, "verified matches that acceptance needs", {4, 10000});
+  p.add("closure_inliers", closure_inliers, "verified matches that a loop closure needs", {4, 10000});
   p.add("accept_similarity", accept_similarity, "similarity over verified matches that acceptance needs", {0, 1});
   p.add("threads", threads, "threads of the search; the result does not depend on it", {1, 64});
 }
@@ -34,6 +36,8 @@ void OdometryParams::describe(base::Params& p) {
   p.add("sigma_per_metre", sigma_per_metre, "noise of the position [m per m]", {0, 1});
   p.addDegrees("sigma_heading_per_metre_deg", sigma_heading_per_metre, "noise of the heading [deg per m]", {0, 90});
   p.add("sigma_heading_per_radian", sigma_heading_per_radian, "noise of the heading [rad per rad]", {0, 1});
+  p.add("max_drift", max_drift, "drift that a loop closure may mend, of the way since the place was visited [m per m]",
+        {0, 10});
   p.add("sigma_floor", sigma_floor, "least standard deviation of an edge [m and rad]", {1e-6, 10});
 }
 

@@ -46,8 +46,16 @@ void Recogniser::placeChanged(const map::Place& place) {
 
 void Recogniser::edgesChanged(const map::TopologicalMap& map) {
   std::vector<std::pair<int, int>> edges;
-  for (const auto& [id, edge] : map.edges())
-    if (edge.type != map::EdgeType::kWeak) edges.emplace_back(indexOf(edge.a), indexOf(edge.b));
+  double length = 0.0;
+  int steps = 0;
+  for (const auto& [id, edge] : map.edges()) {
+    if (edge.type == map::EdgeType::kWeak) continue;
+    edges.emplace_back(indexOf(edge.a), indexOf(edge.b));
+    if (edge.type != map::EdgeType::kOdometry) continue;
+    length += edge.T_a_b.T_a_b.translation().norm();
+    ++steps;
+  }
+  if (steps > 0) spacing_ = length / steps;
   adjacency_ = belief::Adjacency::fromEdges(ids_.size(), edges);
 }
 
@@ -84,11 +92,18 @@ std::vector<types::Hypothesis> Recogniser::recognise(const types::Features& view
   return hypotheses;
 }
 
-/// Places just made look like the image without being the answer: the new-place state stands for them.
+/// Places just made look like the image without being the answer: the new-place state stands for them. For the
+/// statistics over the map they count as one more ordinary place.
 belief::Likelihood Recogniser::likelihoodWithout(const std::set<base::PlaceId>& excluded,
                                                  std::vector<double> scores) const {
-  for (const auto id : excluded) scores[static_cast<std::size_t>(indexOf(id))] = 0.0;
-  return belief::likelihood(scores, adjacency_, filter_.params());
+  double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
+  for (const auto id : excluded) sum -= scores[static_cast<std::size_t>(indexOf(id))];
+  const auto others = static_cast<double>(scores.size() - excluded.size());
+  for (const auto id : excluded)
+    scores[static_cast<std::size_t>(indexOf(id))] = others > 0 ? std::clamp(sum / others, 0.0, 1.0) : 0.0;
+  belief::Likelihood result = belief::likelihood(scores, adjacency_, filter_.params());
+  for (const auto id : excluded) result.places[static_cast<std::size_t>(indexOf(id))] = filter_.params().floor;
+  return result;
 }
 
 void Recogniser::believeNew() {

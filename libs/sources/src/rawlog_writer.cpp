@@ -140,6 +140,7 @@ class RawlogWriter::Impl {
     if (!out_) throw base::Error(path_ + ": is closed already");
     if (frame.image.empty())
       throw base::Error(path_ + ": frame " + std::to_string(frame.index) + " has no image");
+    label_ = frame.label;
     if (frame.T_odom_robot) writeOdometry(frame);
     frame.right.empty() ? writeImage(frame) : writeStereo(frame);
     ++frames_;
@@ -202,15 +203,23 @@ class RawlogWriter::Impl {
     return camera;
   }
 
+  /// Numbered, and named after the file that the image came from: truth may refer to that.
+  std::string externalName(const std::string& suffix) const {
+    char number[16];
+    std::snprintf(number, sizeof number, "%06zu", frames_);
+    const fs::path origin(label_);
+    std::string name = params_.sensor_label + "_" + number + suffix;
+    if (origin.has_extension()) name.append("_").append(origin.stem().string());
+    return name + ".jpg";
+  }
+
   void writePixels(const cv::Mat& image, const std::string& suffix) {
     const auto bytes = encodeJpeg(image, params_.jpeg_quality);
     if (bytes.empty()) throw base::Error(path_ + ": an image cannot be encoded as JPEG");
     out_->header("mrpt::img::CImage", 8);
     out_->value(static_cast<std::uint8_t>(params_.external_images ? 1 : 0));
     if (params_.external_images) {
-      char number[16];
-      std::snprintf(number, sizeof number, "%06zu", frames_);
-      const std::string name = params_.sensor_label + "_" + number + suffix + ".jpg";
+      const std::string name = externalName(suffix);
       writeFile(folderPart_ + "/" + name, bytes);
       out_->text(name);
     } else {
@@ -228,6 +237,7 @@ class RawlogWriter::Impl {
   std::string part_, folder_, folderPart_;
   std::unique_ptr<GzArchive> out_;
   std::size_t frames_ = 0;
+  std::string label_;  // of the frame being written
 };
 
 RawlogWriter::RawlogWriter(const std::string& path, const RawlogWriterParams& params)

@@ -12,6 +12,7 @@
 #include "engram/types/frame.h"
 #include "engram/types/frame_report.h"
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -57,6 +58,8 @@ class Mapper {
   bool isRecent(base::PlaceId place) const;
   Eigen::Isometry3d T_place_robot(base::PlaceId place) const;
   std::optional<std::pair<base::PlaceId, double>> nearestByOdometry() const;
+  bool isClosure(base::PlaceId place) const;
+  bool closable(base::PlaceId place, const PlaceMatch& match) const;
   bool belongsTo(base::PlaceId place, const PlaceMatch& match) const;
   void addPlace(Work& work);
   types::RelPose motionFrom(const Work& work, base::PlaceId from) const;
@@ -78,6 +81,8 @@ class Mapper {
   base::PlaceId anchor_;              // where the robot was last certain to be; invalid at wake-up
   std::set<base::PlaceId> recent_;    // places near the newest one, while the robot goes on from it
   bool frontier_ = true;              // the robot has just made places and is not known to be back in older ones
+  double travelled_ = 0.0;            // [m] in this drive
+  std::map<base::PlaceId, double> lastVisit_;  // travelled_ when the robot was last there, in this drive
   int misses_ = 0;                    // unrecognised images in a row in known territory
   bool closedSinceRelax_ = false;
   types::Features lastKeyframe_;

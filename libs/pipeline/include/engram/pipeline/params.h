@@ -26,7 +26,7 @@ struct SelectParams {
 
 /// Section `[place]`: when an image is a new place.
 struct PlaceParams {
-  double spacing = 1.0;            ///< [m] between places, with odometry (F-08)
+  double spacing = 0.8;            ///< [m] from all places at which an image makes a new one, with odometry
   double same_similarity = 0.9;    ///< without odometry: an image this similar to a place just made is that place (F-07)
   int recent_hops = 6;             ///< places this near in the graph to the newest one are no loop closure
   int patience = 5;                ///< unrecognised images in a row in known territory before new places are made
@@ -39,6 +39,7 @@ struct PlaceParams {
 struct RecogniseParams {
   int candidates = 5;                ///< hypotheses that go to geometric verification, best first
   int accept_inliers = 20;           ///< verified matches that acceptance needs
+  int closure_inliers = 30;          ///< the same for a loop closure: K-15 saw no false one from 30 on
   double accept_similarity = 0.2;    ///< F eq (8) with verified matches that acceptance needs
   int threads = 1;                   ///< the result does not depend on it
 
@@ -51,6 +52,7 @@ struct OdometryParams {
   double sigma_heading_per_metre = 0.01; ///< [rad/m]
   double sigma_heading_per_radian = 0.03;///< [rad/rad]
   double sigma_floor = 0.01;             ///< [m] and [rad]: no edge is stiffer
+  double max_drift = 0.1;                ///< [m/m] of the way since a place was visited: a closure over more is refused
 
   void describe(base::Params& p);
 };

@@ -55,7 +55,7 @@ class Recogniser {
   RecogniseParams params_;
   features::MatchParams match_;
   features::PlaceMatcher matcher_;
-  double spacing_;
+  double spacing_;  // mean distance of neighbouring places [m]
   belief::BayesFilter filter_;
   belief::Adjacency adjacency_;
   std::vector<base::PlaceId> ids_;  // ascending; index in the filter and in the matcher
