@@ -88,7 +88,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
 void SlamProgram::openMap(std::optional<store::MapFile>& file, const std::string& path,
                           const pipeline::Mapper& mapper, const types::Frame& first) {
   map::MapHeader header = mapper.header();
-  header.parameters = config_.dump();
+  header.parameters = config_.dumpForMap();
   header.firstStamp = first.stamp;
   if (file)
     store::requireCompatible(file->header(), header, path);

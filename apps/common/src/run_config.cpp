@@ -37,9 +37,11 @@ bool RunConfig::load(std::ostream& out) {
   return options.dump;
 }
 
-std::string RunConfig::dump() {
+std::string RunConfig::dumpForMap() const {
+  RunConfig copy = *this;
+  copy.pipeline.recognise.threads = 1;  // the map does not depend on it
   base::Config config;
-  bind(config);
+  copy.bind(config);
   return config.dump();
 }
 

@@ -5,7 +5,7 @@
 #include "step_timer.h"
 #include "thumbnail.h"
 
-#include "engram/base/error.h"
+#include "engram/map/graph.h"
 
 #include <algorithm>
 #include <cmath>
@@ -190,11 +190,11 @@ void Mapper::decide(Work& work) {
     misses_ = 0;
     return;
   }
-  const bool lost = !anchor_.valid() || (!metric() && !frontier_);
   if (map_.empty()) {
     work.makesPlace = true;
-  } else if (lost) {
-    work.makesPlace = ++misses_ >= params_.place.patience;
+  } else if (!anchor_.valid() || (!metric() && !frontier_)) {  // somewhere in the map, or off it
+    const bool offTheMap = anchor_.valid() && report.newPlaceProbability >= params_.belief.accept_threshold;
+    work.makesPlace = offTheMap || ++misses_ >= params_.place.patience;
     report.reason = "not localised in the map yet";
   } else if (metric()) {
     const auto nearest = nearestByOdometry();
@@ -268,7 +268,6 @@ void Mapper::addPlace(Work& work) {
 
   recogniser_.placeChanged(map_.place(anchor_));
   recogniser_.edgesChanged(map_);
-  recogniser_.believeNew();
 }
 
 /// Relative pose of the new place: by odometry; else the direction of the two-view geometry, one spacing long
@@ -349,11 +348,7 @@ void Mapper::relax(Work& work) {
 
 void Mapper::relaxAll() {
   closedSinceRelax_ = false;
-  posegraph::Graph graph;
-  for (const auto& [id, place] : map_.places()) graph.poses[id] = place.T_map_place;
-  for (const auto& [id, edge] : map_.edges())
-    graph.constraints.push_back({edge.a, edge.b, edge.T_a_b, edge.type != map::EdgeType::kOdometry});
-  const posegraph::Relaxation relaxed = relaxer_->relax(graph);
+  const posegraph::Relaxation relaxed = relaxer_->relax(map::toGraph(map_));
   if (relaxed.ending == posegraph::Ending::kConverged || relaxed.ending == posegraph::Ending::kIterationLimit)
     map_.setPoses(relaxed.poses);
 }

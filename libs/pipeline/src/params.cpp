@@ -28,6 +28,9 @@ void RecogniseParams::describe(base::Params& p) {
   p.add("candidates", candidates, "hypotheses that go to geometric verification", {1, 1000});
   p.add("accept_inliers", accept_inliers, "verified matches that acceptance needs", {4, 10000});
   p.add("closure_inliers", closure_inliers, "verified matches that a loop closure needs", {4, 10000});
+  p.add("closure_similarity", closure_similarity,
+        "while mapping: similarity that different places of one building show; instead of [belief] new_place_similarity",
+        {0, 1});
   p.add("accept_similarity", accept_similarity, "similarity over verified matches that acceptance needs", {0, 1});
   p.add("threads", threads, "threads of the search; the result does not depend on it", {1, 64});
 }

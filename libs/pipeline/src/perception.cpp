@@ -21,7 +21,7 @@ void CameraParams::describe(base::Params& p) {
 }
 
 Perception::Perception(CameraParams camera, const features::ExtractorParams& extractor)
-    : params_(std::move(camera)), extractor_(features::makeExtractor(extractor)) {
+    : params_(std::move(camera)), extractor_(features::makeExtractor(extractor)), upright_(extractor.upright) {
   if (!params_.file.empty()) setRig(cameras::loadCamera(params_.file));
 }
 
@@ -72,7 +72,7 @@ map::MapHeader Perception::mapHeader(const std::string& memoryModel) const {
   map::MapHeader header;
   header.engramVersion = ENGRAM_VERSION;
   header.camera = cameraText();
-  header.extractor = extractor_->name();
+  header.extractor = extractor_->name() + (upright_ ? " upright" : "");
   const auto kind = extractor_->kind();
   header.descriptorKind = kind == types::DescriptorKind::kFloat ? types::DescriptorKind::kInt8 : kind;
   header.descriptorDim = extractor_->dim();

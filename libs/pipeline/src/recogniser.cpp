@@ -9,11 +9,23 @@
 
 namespace engram::pipeline {
 
+namespace {
+
+/// While mapping, views of other places of the same building compete with the new place; in a finished map the
+/// new-place similarity only tells evidence from noise.
+belief::BeliefParams paramsFor(Recogniser::Mode mode, const PipelineParams& params) {
+  belief::BeliefParams belief = params.belief;
+  if (mode == Recogniser::Mode::kMapping) belief.new_place_similarity = params.recognise.closure_similarity;
+  return belief;
+}
+
+}  // namespace
+
 Recogniser::Recogniser(const PipelineParams& params, Mode mode)
     : params_(params.recognise),
       match_(params.match),
       spacing_(params.place.spacing),
-      filter_(params.belief, mode == Mode::kMapping) {
+      filter_(paramsFor(mode, params), mode == Mode::kMapping) {
   filter_.reset(0);
 }
 
@@ -104,13 +116,6 @@ belief::Likelihood Recogniser::likelihoodWithout(const std::set<base::PlaceId>& 
   belief::Likelihood result = belief::likelihood(scores, adjacency_, filter_.params());
   for (const auto id : excluded) result.places[static_cast<std::size_t>(indexOf(id))] = filter_.params().floor;
   return result;
-}
-
-void Recogniser::believeNew() {
-  belief::Likelihood onlyNew;
-  onlyNew.places.assign(ids_.size(), 1e-6);
-  onlyNew.newPlace = 1.0;
-  filter_.update(onlyNew);
 }
 
 double Recogniser::neighbourhoodMass(base::PlaceId place) const {

@@ -18,8 +18,8 @@ struct RunConfig {
   void declare(CLI::App& app);
   /// True when --dump-config was served and the program is to stop.
   bool load(std::ostream& out);
-  /// Every key in force.
-  std::string dump();
+  /// Every key in force, for the header of a map: equal for runs that give equal maps.
+  std::string dumpForMap() const;
 
  private:
   void bind(base::Config& config);

@@ -40,6 +40,7 @@ struct RecogniseParams {
   int candidates = 5;                ///< hypotheses that go to geometric verification, best first
   int accept_inliers = 20;           ///< verified matches that acceptance needs
   int closure_inliers = 30;          ///< the same for a loop closure: K-15 saw no false one from 30 on
+  double closure_similarity = 0.35;  ///< new_place_similarity while mapping: what unlike places of a building share
   double accept_similarity = 0.2;    ///< F eq (8) with verified matches that acceptance needs
   int threads = 1;                   ///< the result does not depend on it
 

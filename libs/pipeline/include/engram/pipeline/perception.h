@@ -51,6 +51,7 @@ class Perception {
 
   CameraParams params_;
   std::unique_ptr<features::Extractor> extractor_;
+  bool upright_;
   std::optional<cameras::CameraRig> rig_;
   std::unique_ptr<cameras::LiftingTable> lifting_;
   Eigen::Matrix3f R_robot_cam_ = Eigen::Matrix3f::Identity();

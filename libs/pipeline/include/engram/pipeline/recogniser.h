@@ -38,9 +38,6 @@ class Recogniser {
   std::vector<types::Hypothesis> recognise(const types::Features& view, std::optional<double> travelled,
                                            const std::set<base::PlaceId>& excluded = {});
 
-  /// The robot is certain to be at no known place (a place was just made).
-  void believeNew();
-
   double newPlaceProbability() const { return filter_.posterior().newPlace; }
   /// Posterior mass of a place and the places within `accept_hops` edges.
   double neighbourhoodMass(base::PlaceId place) const;
