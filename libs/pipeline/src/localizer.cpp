@@ -41,8 +41,15 @@ types::FrameReport Localizer::process(const types::Frame& frame) {
   if (!perceive(work)) return work.report;
   recognise(work);
   verify(work);
+  if (work.accepted) follow(work);
   if (adapt_) remember(work);
   return work.report;
+}
+
+void Localizer::restart() {
+  recogniser_.load(map_);
+  last_ = {};
+  agreeing_ = 0;
 }
 
 void Localizer::move(Work& work) { reckoning_.move(work.frame.T_odom_robot); }
@@ -64,6 +71,7 @@ void Localizer::recognise(Work& work) {
   std::optional<double> travelled;
   if (reckoning_.known()) travelled = reckoning_.distance();
   sinceLearning_ += reckoning_.distance();
+  sinceLast_ += reckoning_.distance();
   reckoning_.markKeyframe();
   work.report.hypotheses = recogniser_.recognise(work.features, travelled);
   work.report.bestGuess = work.report.hypotheses.front().place;
@@ -80,7 +88,7 @@ void Localizer::verify(Work& work) {
     PlaceMatch match =
         matchToPlace(work.features, map_.place(hypothesis.place).memory, params_.match, params_.verify);
     hypothesis.inliers = static_cast<int>(match.matches.size());
-    if (strongEnough(match, params_.recognise)) {
+    if (strongEnough(match, params_.recognise) && believable(hypothesis.place, match)) {
       work.report.outcome = types::Outcome::kRecognised;
       work.report.reason.clear();
       work.report.place = hypothesis.place;
@@ -91,10 +99,36 @@ void Localizer::verify(Work& work) {
   }
 }
 
-/// Only what was verified is learnt (F-E16, X-07), and a standing robot learns once.
+/// Counts how long the accepted places have told one story.
+void Localizer::follow(Work& work) {
+  agreeing_ = last_.valid() && agreesWithMotion(work.report.place) ? agreeing_ + 1 : 1;
+  last_ = work.report.place;
+  sinceLast_ = 0.0;
+  const double extent = params_.place.spacing;
+  reckoning_.reset(Eigen::Isometry3d(work.accepted->R_place_view),
+                   planarCovariance(extent, extent, 0.05, params_.odometry.sigma_floor));
+}
+
+/// A leap through the map needs as much evidence as a loop closure.
+bool Localizer::believable(base::PlaceId place, const PlaceMatch& match) const {
+  return !last_.valid() || agreesWithMotion(place) ||
+         static_cast<int>(match.matches.size()) >= params_.recognise.closure_inliers;
+}
+
+/// Can the robot have come from the last accepted place to this one?
+bool Localizer::agreesWithMotion(base::PlaceId place) const {
+  if (!reckoning_.known()) return map_.hopDistances(last_, params_.place.recent_hops).count(place) > 0;
+  const Eigen::Isometry3d T_map_robot = map_.place(last_).T_map_place * reckoning_.anchorToRobot().T_a_b;
+  const double distance = (map_.place(place).T_map_place.translation() - T_map_robot.translation()).norm();
+  return distance <= 2.0 * params_.place.spacing + params_.odometry.max_drift * sinceLast_;
+}
+
+/// Only what was verified is learnt, and only once the places accepted before agree with it (F-E16, X-07): one wrong
+/// answer that is learnt makes the next one look right. A standing robot learns once.
 void Localizer::remember(Work& work) {
   const StepTimer timer(work.report, "remember");
-  if (!work.accepted || (reckoning_.known() && sinceLearning_ < params_.select.min_distance)) return;
+  if (!work.accepted || agreeing_ < params_.recognise.learn_after) return;
+  if (reckoning_.known() && sinceLearning_ < params_.select.min_distance) return;
   const types::Features view = inPlaceFrame(work.features, work.accepted->R_place_view);
   work.report.memory = map_.remember(work.report.place, *memory_, view, work.accepted->matches);
   recogniser_.placeChanged(map_.place(work.report.place));

@@ -27,7 +27,7 @@ class Localizer {
   types::FrameReport process(const types::Frame& frame);
 
   /// The robot is lost: every place is equally likely again.
-  void restart() { recogniser_.load(map_); }
+  void restart();
 
   const map::TopologicalMap& map() const { return map_; }
   map::TopologicalMap& map() { return map_; }
@@ -41,14 +41,20 @@ class Localizer {
   void move(Work& work);
   void recognise(Work& work);
   void verify(Work& work);
+  void follow(Work& work);
   void remember(Work& work);
+  bool believable(base::PlaceId place, const PlaceMatch& match) const;
+  bool agreesWithMotion(base::PlaceId place) const;
 
   PipelineParams params_;
   Perception perception_;
   std::unique_ptr<memory::MemoryModel> memory_;
   Recogniser recogniser_;
-  DeadReckoning reckoning_;     // between images
+  DeadReckoning reckoning_;     // from the place accepted last
+  base::PlaceId last_;          // that place
+  double sinceLast_ = 0.0;      // [m] travelled since
   double sinceLearning_ = 0.0;  // [m] travelled since a place last learnt
+  int agreeing_ = 0;            // accepted images in a row that agree with the motion between them
   map::TopologicalMap map_;
   bool adapt_;
 };

@@ -42,6 +42,7 @@ struct RecogniseParams {
   int closure_inliers = 30;          ///< the same for a loop closure: K-15 saw no false one from 30 on
   double closure_similarity = 0.35;  ///< new_place_similarity while mapping: what unlike places of a building share
   double accept_similarity = 0.2;    ///< F eq (8) with verified matches that acceptance needs
+  int learn_after = 3;               ///< accepted images in a row that agree with odometry before a place learns (F-E16)
   int threads = 1;                   ///< the result does not depend on it
 
   void describe(base::Params& p);
