@@ -48,12 +48,9 @@ types::RelPose inverse(const types::RelPose& ab) {
   return ba;
 }
 
-bool DeadReckoning::move(const std::optional<Eigen::Isometry3d>& T_odom_robot) {
-  if (!T_odom_robot) {
-    T_odom_last_.reset();
-    known_ = false;
-    return false;
-  }
+void DeadReckoning::move(const std::optional<Eigen::Isometry3d>& T_odom_robot) {
+  present_ = T_odom_robot.has_value();
+  if (!present_) return;
   if (T_odom_last_) {
     types::RelPose step;
     step.T_a_b = T_odom_last_->inverse() * *T_odom_robot;
@@ -67,15 +64,19 @@ bool DeadReckoning::move(const std::optional<Eigen::Isometry3d>& T_odom_robot) {
     T_anchor_robot_ = compose(T_anchor_robot_, step);
     distance_ += d;
     rotation_ += angle;
-    known_ = true;
   }
   T_odom_last_ = T_odom_robot;
-  return known_;
 }
 
 void DeadReckoning::reset(const Eigen::Isometry3d& T_anchor_robot, const types::Matrix6d& cov) {
   T_anchor_robot_.T_a_b = T_anchor_robot;
   T_anchor_robot_.cov = cov;
+  presentAtAnchor_ = present_;
+}
+
+void DeadReckoning::markKeyframe() {
+  distance_ = rotation_ = 0.0;
+  presentAtKeyframe_ = present_;
 }
 
 }  // namespace engram::pipeline

@@ -50,6 +50,7 @@ void Localizer::restart() {
   recogniser_.load(map_);
   last_ = {};
   agreeing_ = 0;
+  restarted_ = true;
 }
 
 void Localizer::move(Work& work) { reckoning_.move(work.frame.T_odom_robot); }
@@ -69,7 +70,8 @@ bool Localizer::perceive(Work& work) {
 void Localizer::recognise(Work& work) {
   const StepTimer timer(work.report, "recognise");
   std::optional<double> travelled;
-  if (reckoning_.known()) travelled = reckoning_.distance();
+  if (reckoning_.known() && !restarted_) travelled = reckoning_.distance();
+  restarted_ = false;
   sinceLearning_ += reckoning_.distance();
   sinceLast_ += reckoning_.distance();
   reckoning_.markKeyframe();
@@ -117,7 +119,7 @@ bool Localizer::believable(base::PlaceId place, const PlaceMatch& match) const {
 
 /// Can the robot have come from the last accepted place to this one?
 bool Localizer::agreesWithMotion(base::PlaceId place) const {
-  if (!reckoning_.known()) return map_.hopDistances(last_, params_.place.recent_hops).count(place) > 0;
+  if (!reckoning_.anchored()) return map_.hopDistances(last_, params_.place.recent_hops).count(place) > 0;
   const Eigen::Isometry3d T_map_robot = map_.place(last_).T_map_place * reckoning_.anchorToRobot().T_a_b;
   const double distance = (map_.place(place).T_map_place.translation() - T_map_robot.translation()).norm();
   return distance <= 2.0 * params_.place.spacing + params_.odometry.max_drift * sinceLast_;

@@ -88,7 +88,7 @@ void Mapper::move(Work& work) { reckoning_.move(work.frame.T_odom_robot); }
 /// with A-E12 by odometry; F-07 without.
 bool Mapper::select(Work& work) {
   const StepTimer timer(work.report, "select");
-  if (map_.empty() || lastKeyframe_.empty()) return true;
+  if (lastKeyframe_.empty()) return true;
   if (reckoning_.known()) {
     if (reckoning_.distance() >= params_.select.min_distance || reckoning_.rotation() >= params_.select.min_rotation)
       return true;
@@ -107,6 +107,9 @@ void Mapper::recognise(Work& work) {
   const StepTimer timer(work.report, "recognise");
   std::optional<double> travelled;
   if (reckoning_.known()) travelled = reckoning_.distance();
+  travelled_ += reckoning_.distance();
+  reckoning_.markKeyframe();
+  lastKeyframe_ = work.features;
   work.report.hypotheses =
       recogniser_.recognise(work.features, travelled, frontier_ ? recent_ : std::set<base::PlaceId>{});
   if (!work.report.hypotheses.empty()) work.report.bestGuess = work.report.hypotheses.front().place;
@@ -210,9 +213,6 @@ void Mapper::decide(Work& work) {
 void Mapper::remember(Work& work) {
   if (work.report.outcome == types::Outcome::kRefused) return;
   const StepTimer timer(work.report, "remember");
-  travelled_ += reckoning_.distance();
-  reckoning_.markKeyframe();
-  lastKeyframe_ = work.features;
   if (work.makesPlace) return addPlace(work);
 
   const auto& [id, match] = *work.accepted;

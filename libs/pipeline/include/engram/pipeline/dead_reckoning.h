@@ -15,26 +15,29 @@ class DeadReckoning {
  public:
   explicit DeadReckoning(const OdometryParams& params) : params_(params) {}
 
-  /// Takes the odometry of a new image. @return false where there is none: the motion is unknown then.
-  bool move(const std::optional<Eigen::Isometry3d>& T_odom_robot);
+  /// Takes the odometry of a new image, if it has any. The wheels count on while odometry is missing: the step over
+  /// such a gap is what they counted.
+  void move(const std::optional<Eigen::Isometry3d>& T_odom_robot);
 
-  /// The robot is at T_anchor_robot from the anchor, with this covariance.
+  /// The robot is now at T_anchor_robot from the anchor, with this covariance.
   void reset(const Eigen::Isometry3d& T_anchor_robot, const types::Matrix6d& cov);
-
-  bool known() const { return known_; }
+  /// Whether there is odometry now and was at reset(): anchorToRobot() is the whole motion then.
+  bool anchored() const { return present_ && presentAtAnchor_; }
   const types::RelPose& anchorToRobot() const { return T_anchor_robot_; }
 
+  void markKeyframe();
+  /// Whether there is odometry now and was at markKeyframe().
+  bool known() const { return present_ && presentAtKeyframe_; }
   /// Distance [m] and rotation [rad] since markKeyframe().
   double distance() const { return distance_; }
   double rotation() const { return rotation_; }
-  void markKeyframe() { distance_ = rotation_ = 0.0; }
 
  private:
   OdometryParams params_;
   std::optional<Eigen::Isometry3d> T_odom_last_;
   types::RelPose T_anchor_robot_;
   double distance_ = 0.0, rotation_ = 0.0;
-  bool known_ = false;
+  bool present_ = false, presentAtAnchor_ = false, presentAtKeyframe_ = false;  // odometry
 };
 
 /// T_a_b * T_b_c with the covariance of the product; the factors are independent (K-12 with K-E3).

@@ -26,7 +26,7 @@ class Localizer {
   /// Throws base::Error when the first image contradicts the calibration.
   types::FrameReport process(const types::Frame& frame);
 
-  /// The robot is lost: every place is equally likely again.
+  /// The robot is lost: every place is equally likely again, and how it got here says nothing.
   void restart();
 
   const map::TopologicalMap& map() const { return map_; }
@@ -53,6 +53,7 @@ class Localizer {
   DeadReckoning reckoning_;     // from the place accepted last
   base::PlaceId last_;          // that place
   double sinceLast_ = 0.0;      // [m] travelled since
+  bool restarted_ = false;      // since the last image
   double sinceLearning_ = 0.0;  // [m] travelled since a place last learnt
   int agreeing_ = 0;            // accepted images in a row that agree with the motion between them
   map::TopologicalMap map_;

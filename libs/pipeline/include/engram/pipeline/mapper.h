@@ -54,7 +54,7 @@ class Mapper {
   void relate(Work& work);
   void relax(Work& work);
 
-  bool metric() const { return reckoning_.known() && anchor_.valid(); }
+  bool metric() const { return reckoning_.anchored() && anchor_.valid(); }
   bool isRecent(base::PlaceId place) const;
   Eigen::Isometry3d T_place_robot(base::PlaceId place) const;
   std::optional<std::pair<base::PlaceId, double>> nearestByOdometry() const;
