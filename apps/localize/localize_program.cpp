@@ -57,6 +57,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
       store::MapFile::open(map_, adapt_ ? store::Access::kReadWrite : store::Access::kReadOnly);
   const auto source = sources::openRawlog(rawlog_, config_.source);
   pipeline::Localizer localizer(config_.pipeline, file.load(), adapt_);
+  store::requireCompatible(file.header(), localizer.header(), map_);
   std::optional<MapTruth> truth;
   if (!truth_.empty()) {
     truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
@@ -71,7 +72,6 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     if (!frame) break;
     if (global_) localizer.restart();
     const types::FrameReport report = localizer.process(*frame);
-    if (figures.images() == 0) store::requireCompatible(file.header(), localizer.header(), map_);
     if (adapt_) file.commit(localizer.map(), localizer.map().takeChanges(), &report);
     figures.add(report);
     if (!report_.empty()) records += store::toJson(report) + "\n";
@@ -83,7 +83,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
 }
 
 int LocalizeProgram::conclude(const LocalizeFigures& figures, const std::string& records,
-                              const sources::FrameSource& source, std::ostream& out, std::ostream& err) const {
+                              const sources::RawlogSource& source, std::ostream& out, std::ostream& err) const {
   const std::string problem = source.problem();
   if (figures.images() == 0 && !base::interrupted())
     throw base::Error(problem.empty() ? rawlog_ + " holds no images" : problem);
@@ -96,7 +96,7 @@ int LocalizeProgram::conclude(const LocalizeFigures& figures, const std::string&
   if (!quiet_) figures.print(out);
   if (!problem.empty()) err << name() << ": " << problem << "\n";
   if (base::interrupted()) err << name() << ": interrupted; the results hold every image up to here\n";
-  return problem.empty() && !base::interrupted() ? kOk : kPartial;
+  return source.whole() && !base::interrupted() ? kOk : kPartial;
 }
 
 }  // namespace engram::apps

@@ -21,7 +21,7 @@ class LocalizeProgram : public Program {
   int run(std::ostream& out, std::ostream& err) override;
 
  private:
-  int conclude(const LocalizeFigures& figures, const std::string& records, const sources::FrameSource& source,
+  int conclude(const LocalizeFigures& figures, const std::string& records, const sources::RawlogSource& source,
                std::ostream& out, std::ostream& err) const;
 
   RunConfig config_;

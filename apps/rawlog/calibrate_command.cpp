@@ -124,7 +124,7 @@ int CalibrateCommand::run(std::ostream& out, std::ostream& err) {
   else
     source = sources::openRawlog(rawlog_);
   search(*source, err);
-  if (base::interrupted()) return finish("interrupted; no calibration was written", false, err);
+  if (base::interrupted()) return finish("interrupted; no calibration was written", false, false, err);
   const auto result = calibrate(found_, size_, options_);
   cameras::CameraRig rig = cameras::makeRig(result.camera);
   rig.maskParams = mask_;
@@ -133,7 +133,7 @@ int CalibrateCommand::run(std::ostream& out, std::ostream& err) {
   writeFileAtomically(out_, text);
   print(out, result);
   writeJson(common_.json, figures(result));
-  return finish(source->problem(), false, err);
+  return finish(source->problem(), source->problem().empty(), false, err);
 }
 
 }  // namespace

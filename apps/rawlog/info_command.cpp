@@ -83,11 +83,7 @@ int InfoCommand::run(std::ostream& out, std::ostream& err) {
   json["damage"] = source->damage();
   json["problem"] = source->problem();
   writeJson(common_.json, json);
-  const int code = finish(source->problem(), base::interrupted(), err);
-  // That there are no images, or several cameras, is no damage.
-  const auto& stats = source->stats();
-  const bool whole = source->damage().empty() && stats.imagesDamaged + stats.imagesMissing == 0;
-  return whole && !base::interrupted() ? kOk : code;
+  return finish(source->problem(), source->whole(), base::interrupted(), err);
 }
 
 void InfoCommand::print(std::ostream& out, const sources::RawlogStats& stats,

@@ -184,7 +184,7 @@ int PackCommand::run(std::ostream& out, std::ostream& err) {
   }
   progress.finish();
   if (writer.frames() == 0 && base::interrupted())
-    return finish("interrupted before the first image", false, err);
+    return finish("interrupted before the first image", false, false, err);
   if (writer.frames() == 0)
     throw base::Error(images_ + ": none of the images can be used; " + source->problem());
   writer.close();
@@ -198,7 +198,7 @@ int PackCommand::run(std::ostream& out, std::ostream& err) {
                            {"bytes", bytes},
                            {"headings_deg", headings_},
                            {"problem", source->problem()}});
-  return finish(source->problem(), base::interrupted(), err);
+  return finish(source->problem(), source->problem().empty(), base::interrupted(), err);
 }
 
 }  // namespace

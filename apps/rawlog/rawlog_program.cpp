@@ -14,10 +14,10 @@ void CommonOptions::declare(CLI::App& app) {
   app.add_option("--json", json, "Write the figures to this file")->type_name("FILE");
 }
 
-int finish(const std::string& problem, bool interrupted, std::ostream& err) {
+int finish(const std::string& problem, bool whole, bool interrupted, std::ostream& err) {
   if (!problem.empty()) err << "engram-rawlog: " << problem << "\n";
   if (interrupted) err << "engram-rawlog: interrupted; what was done so far is kept\n";
-  return problem.empty() && !interrupted ? kOk : kPartial;
+  return whole && !interrupted ? kOk : kPartial;
 }
 
 std::pair<int, int> parseSize(const std::string& text, const std::string& option) {

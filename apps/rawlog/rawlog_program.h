@@ -50,8 +50,8 @@ class RawlogProgram final : public Program {
   RawlogCommand* chosen_ = nullptr;
 };
 
-/// Ctrl-C or something left out makes a result partial; `problem` and the reason go to `err`.
-int finish(const std::string& problem, bool interrupted, std::ostream& err);
+/// Ctrl-C or lost input makes a result partial; `problem` and the reason go to `err`.
+int finish(const std::string& problem, bool whole, bool interrupted, std::ostream& err);
 
 /// "640x480"; throws base::Error naming `option`.
 std::pair<int, int> parseSize(const std::string& text, const std::string& option);

@@ -100,7 +100,7 @@ int UnpackCommand::run(std::ostream& out, std::ostream& err) {
   writeFileAtomically((fs::path(folder_) / "frames.csv").string(), csv);
   out << folder_ << ": " << images << " images and frames.csv\n";
   writeJson(common_.json, {{"images", images}, {"damage", source->damage()}, {"problem", source->problem()}});
-  return finish(source->problem(), base::interrupted(), err);
+  return finish(source->problem(), source->whole(), base::interrupted(), err);
 }
 
 }  // namespace

@@ -61,6 +61,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   std::optional<store::MapFile> file;
   if (extend_) file = store::MapFile::open(path, store::Access::kReadWrite);
   pipeline::Mapper mapper(config_.pipeline, file ? file->load() : map::TopologicalMap{});
+  if (file) store::requireCompatible(file->header(), mapper.header(), path);
 
   SlamFigures figures;
   base::Progress progress(quiet_ ? nullptr : &err, "mapping");
@@ -69,7 +70,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     if (!frame) break;
     const types::FrameReport report = mapper.process(*frame);
     if (truth) truth->survey(mapper.map(), report);
-    if (figures.images() == 0) openMap(file, path, mapper, *frame);
+    if (!file) file = createMap(path, mapper, *frame);
     file->commit(mapper.map(), mapper.map().takeChanges(), &report);
     figures.add(report, mapper.map(), truth ? &*truth : nullptr);
     progress.update(source->progress(), static_cast<std::size_t>(figures.images()));
@@ -84,20 +85,16 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   return conclude(*file, mapper, figures, truth ? &*truth : nullptr, *source, out, err);
 }
 
-/// Creates the map file, or checks that the existing one was made with this camera, extractor and memory.
-void SlamProgram::openMap(std::optional<store::MapFile>& file, const std::string& path,
-                          const pipeline::Mapper& mapper, const types::Frame& first) {
+store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::Mapper& mapper,
+                                      const types::Frame& first) {
   map::MapHeader header = mapper.header();
   header.parameters = config_.dumpForMap();
   header.firstStamp = first.stamp;
-  if (file)
-    store::requireCompatible(file->header(), header, path);
-  else
-    file = store::MapFile::create(path, header, overwrite_);
+  return store::MapFile::create(path, header, overwrite_);
 }
 
 int SlamProgram::conclude(store::MapFile& file, const pipeline::Mapper& mapper, SlamFigures& figures,
-                          const MapTruth* truth, const sources::FrameSource& source, std::ostream& out,
+                          const MapTruth* truth, const sources::RawlogSource& source, std::ostream& out,
                           std::ostream& err) {
   const map::TopologicalMap& map = mapper.map();
   if (truth && truth->hasPoses()) figures.setTrajectoryError(trajectoryError(map, mapper.session(), truth->poses()));
@@ -110,7 +107,7 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::Mapper& mapper, 
   const std::string problem = source.problem();
   if (!problem.empty()) err << name() << ": " << problem << "\n";
   if (base::interrupted()) err << name() << ": interrupted; the map holds every image up to here\n";
-  return problem.empty() && !base::interrupted() ? kOk : kPartial;
+  return source.whole() && !base::interrupted() ? kOk : kPartial;
 }
 
 /// Everything a person may want to open, in one folder.

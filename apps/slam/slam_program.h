@@ -26,10 +26,9 @@ class SlamProgram : public Program {
 
  private:
   std::string mapPath() const;
-  void openMap(std::optional<store::MapFile>& file, const std::string& path, const pipeline::Mapper& mapper,
-               const types::Frame& first);
+  store::MapFile createMap(const std::string& path, const pipeline::Mapper& mapper, const types::Frame& first);
   int conclude(store::MapFile& file, const pipeline::Mapper& mapper, SlamFigures& figures, const MapTruth* truth,
-               const sources::FrameSource& source, std::ostream& out, std::ostream& err);
+               const sources::RawlogSource& source, std::ostream& out, std::ostream& err);
   void writeReport(const store::MapFile& file, const map::TopologicalMap& map) const;
 
   RunConfig config_;

@@ -69,6 +69,8 @@ class RawlogSource : public FrameSource {
   virtual const RawlogStats& stats() const = 0;
   /// Damage that ended the stream early; empty otherwise.
   virtual std::string damage() const = 0;
+  /// Whether nothing of the rawlog was lost so far. What problem() says besides is no more than a notice.
+  bool whole() const { return damage().empty() && stats().imagesDamaged + stats().imagesMissing == 0; }
 };
 
 /// Throws base::Error when the file is missing, empty, unreadable or not a rawlog.
