@@ -33,6 +33,9 @@ void read(const Json& j, const char* key, T& value) {
     value = it->get<T>();
 }
 
+/// Six decimals are more than a probability or a millisecond means, and a third of the text.
+double rounded(double value) { return std::round(value * 1e6) / 1e6; }
+
 Outcome outcomeFrom(const std::string& name) {
   for (const Outcome o :
        {Outcome::kSkipped, Outcome::kUnusable, Outcome::kNewPlace, Outcome::kRecognised, Outcome::kRefused})
@@ -98,20 +101,20 @@ std::string toJson(const FrameReport& r, bool withTimes) {
             {"features", r.features},
             {"place", idToJson(r.place)},
             {"best_guess", idToJson(r.bestGuess)},
-            {"best_guess_interpolated", r.bestGuessInterpolated},
-            {"new_place_probability", r.newPlaceProbability}};
+            {"best_guess_interpolated", rounded(r.bestGuessInterpolated)},
+            {"new_place_probability", rounded(r.newPlaceProbability)}};
   j["hypotheses"] = Json::array();
   for (const auto& h : r.hypotheses)
     j["hypotheses"].push_back({{"place", idToJson(h.place)},
-                               {"similarity", h.similarity},
-                               {"posterior", h.posterior},
+                               {"similarity", rounded(h.similarity)},
+                               {"posterior", rounded(h.posterior)},
                                {"inliers", h.inliers}});
   j["closure"] = r.closure;
   j["memory"] = memoryToJson(r.memory);
   if (withTimes) {
     j["times"] = Json::object();
-    for (const auto& t : r.times) j["times"][t.step] = t.milliseconds;
-    j["ms"] = r.milliseconds;
+    for (const auto& t : r.times) j["times"][t.step] = rounded(t.milliseconds);
+    j["ms"] = rounded(r.milliseconds);
   }
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -30,7 +30,7 @@ struct PlaceParams {
   double same_similarity = 0.9;    ///< without odometry: an image this similar to a place just made is that place (F-07)
   int recent_hops = 6;             ///< places this near in the graph to the newest one are no loop closure
   int patience = 5;                ///< unrecognised images in a row in known territory before new places are made
-  int keep_thumbnails = 160;       ///< width of the stored thumbnail of a place [px]; 0 stores none
+  int keep_thumbnails = 128;       ///< width of the stored thumbnail of a place [px]; 0 stores none
 
   void describe(base::Params& p);
 };
