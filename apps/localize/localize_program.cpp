@@ -53,11 +53,14 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   if (!overwrite_ && !csv_.empty() && fs::exists(csv_))
     throw base::Error(csv_ + " exists; give --overwrite to replace it");
 
-  store::MapFile file =
-      store::MapFile::open(map_, adapt_ ? store::Access::kReadWrite : store::Access::kReadOnly);
+  std::optional<store::MapFile> file = store::MapFile::open(map_, store::Access::kReadOnly);
   const auto source = sources::openRawlog(rawlog_, config_.source);
-  pipeline::Localizer localizer(config_.pipeline, file.load(), adapt_);
-  store::requireCompatible(file.header(), localizer.header(), map_);
+  pipeline::Localizer localizer(config_.pipeline, file->load(), adapt_);
+  store::requireCompatible(file->header(), localizer.header(), map_);
+  if (adapt_) {
+    file.reset();  // a map that is refused keeps every byte
+    file = store::MapFile::open(map_, store::Access::kReadWrite);
+  }
   std::optional<MapTruth> truth;
   if (!truth_.empty()) {
     truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
@@ -72,13 +75,13 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     if (!frame) break;
     if (global_) localizer.restart();
     const types::FrameReport report = localizer.process(*frame);
-    if (adapt_) file.commit(localizer.map(), localizer.map().takeChanges(), &report);
+    if (adapt_) file->commit(localizer.map(), localizer.map().takeChanges(), &report);
     figures.add(report);
     if (!report_.empty()) records += store::toJson(report) + "\n";
     progress.update(source->progress(), static_cast<std::size_t>(figures.images()));
   }
   progress.finish();
-  if (adapt_) file.close();
+  if (adapt_) file->close();
   return conclude(figures, records, *source, out, err);
 }
 

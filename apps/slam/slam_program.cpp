@@ -59,9 +59,13 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   std::optional<MapTruth> truth;
   if (!truth_.empty()) truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
   std::optional<store::MapFile> file;
-  if (extend_) file = store::MapFile::open(path, store::Access::kReadWrite);
+  if (extend_) file = store::MapFile::open(path, store::Access::kReadOnly);
   pipeline::Mapper mapper(config_.pipeline, file ? file->load() : map::TopologicalMap{});
-  if (file) store::requireCompatible(file->header(), mapper.header(), path);
+  if (file) {
+    store::requireCompatible(file->header(), mapper.header(), path);
+    file.reset();  // a map that is refused keeps every byte
+    file = store::MapFile::open(path, store::Access::kReadWrite);
+  }
 
   SlamFigures figures;
   base::Progress progress(quiet_ ? nullptr : &err, "mapping");
