@@ -52,6 +52,9 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   if (map_.empty() || rawlog_.empty()) throw base::Error("--map and --rawlog are both needed");
   if (!overwrite_ && !csv_.empty() && fs::exists(csv_))
     throw base::Error(csv_ + " exists; give --overwrite to replace it");
+  requireFolderOf(csv_);
+  requireFolderOf(json_);
+  makeFolder(report_);
 
   std::optional<store::MapFile> file = store::MapFile::open(map_, store::Access::kReadOnly);
   const auto source = sources::openRawlog(rawlog_, config_.source);
@@ -92,7 +95,6 @@ int LocalizeProgram::conclude(const LocalizeFigures& figures, const std::string&
     throw base::Error(problem.empty() ? rawlog_ + " holds no images" : problem);
   if (!csv_.empty()) writeFileAtomically(csv_, figures.csv());
   if (!report_.empty()) {
-    fs::create_directories(report_);
     writeFileAtomically((fs::path(report_) / "images.jsonl").string(), records);
   }
   writeJson(json_, figures.toJson());

@@ -53,7 +53,8 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   const std::string path = mapPath();
   if (!extend_ && !overwrite_ && fs::exists(path))
     throw base::Error(path + " exists; give --overwrite to replace it or --extend to go on with it");
-  if (!report_.empty()) fs::create_directories(report_);
+  requireFolderOf(json_);
+  makeFolder(report_);
 
   const auto source = sources::openRawlog(rawlog_, config_.source);
   std::optional<MapTruth> truth;

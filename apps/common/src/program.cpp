@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -63,6 +64,19 @@ void writeFileAtomically(const std::string& path, const std::string& content) {
   }
   if (std::rename(temporary.c_str(), path.c_str()) != 0)
     throw base::Error(path + ": cannot be written (" + std::strerror(errno) + ")");
+}
+
+void requireFolderOf(const std::string& path) {
+  const auto folder = std::filesystem::path(path).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder))
+    throw base::Error(path + ": cannot be written: there is no folder " + folder.string());
+}
+
+void makeFolder(const std::string& path) {
+  if (path.empty()) return;
+  std::error_code status;
+  std::filesystem::create_directories(path, status);
+  if (status) throw base::Error(path + ": the folder cannot be made (" + status.message() + ")");
 }
 
 void writeJson(const std::string& path, const nlohmann::json& figures) {

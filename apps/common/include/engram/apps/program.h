@@ -48,6 +48,13 @@ struct ConfigOptions {
 /// Writes `content` to a temporary file beside `path` and renames it: readers see all of it or nothing.
 void writeFileAtomically(const std::string& path, const std::string& content);
 
+/// Throws base::Error when the folder of an output file does not exist: found out before the work, not after it.
+/// An empty path is no output.
+void requireFolderOf(const std::string& path);
+
+/// Makes a folder for output, with its parents; an empty path makes none. Throws base::Error when it cannot be made.
+void makeFolder(const std::string& path);
+
 /// --json FILE; does nothing with an empty path.
 void writeJson(const std::string& path, const nlohmann::json& figures);
 
