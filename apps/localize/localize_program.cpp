@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "localize_program.h"
 
+#include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
@@ -93,9 +94,9 @@ int LocalizeProgram::conclude(const LocalizeFigures& figures, const std::string&
   const std::string problem = source.problem();
   if (figures.images() == 0 && !base::interrupted())
     throw base::Error(problem.empty() ? rawlog_ + " holds no images" : problem);
-  if (!csv_.empty()) writeFileAtomically(csv_, figures.csv());
+  if (!csv_.empty()) base::writeText(csv_, figures.csv(), true);
   if (!report_.empty()) {
-    writeFileAtomically((fs::path(report_) / "images.jsonl").string(), records);
+    base::writeText((fs::path(report_) / "images.jsonl").string(), records, true);
   }
   writeJson(json_, figures.toJson());
   if (!quiet_) figures.print(out);

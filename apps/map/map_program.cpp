@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_program.h"
 
+#include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/exporters/exporters.h"
 #include "engram/exporters/html_report.h"
@@ -173,7 +174,7 @@ int MapProgram::exportMap(std::ostream& out) const {
   } else {
     const auto records = file.records();
     const std::string name = std::filesystem::path(map_).filename().string();
-    exporters::writeText(
+    base::writeText(
         output_,
         exporters::toHtml(
             {.title = "Engram map " + name,

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration.h"
+#include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
@@ -130,7 +131,7 @@ int CalibrateCommand::run(std::ostream& out, std::ostream& err) {
   rig.maskParams = mask_;
   const std::string text = cameras::toText(rig);
   cameras::parseCamera(text, out_);  // refuses a mask that leaves nothing, before anything is written
-  writeFileAtomically(out_, text);
+  base::writeText(out_, text, true);
   print(out, result);
   writeJson(common_.json, figures(result));
   return finish(source->problem(), source->problem().empty(), false, err);

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
@@ -58,7 +59,7 @@ void UnpackCommand::writeImage(const std::string& name, const cv::Mat& image) co
   std::vector<std::uint8_t> bytes;
   if (!cv::imencode("." + format_, image, bytes, {cv::IMWRITE_JPEG_QUALITY, 95}))
     throw base::Error(name + ": cannot be encoded as " + format_);
-  writeFileAtomically((fs::path(folder_) / name).string(), std::string(bytes.begin(), bytes.end()));
+  base::writeText((fs::path(folder_) / name).string(), std::string(bytes.begin(), bytes.end()), true);
 }
 
 /// Writes the images; returns the line of the CSV.
@@ -97,7 +98,7 @@ int UnpackCommand::run(std::ostream& out, std::ostream& err) {
       progress.update(source->progress(), ++images);
     }
   }
-  writeFileAtomically((fs::path(folder_) / "frames.csv").string(), csv);
+  base::writeText((fs::path(folder_) / "frames.csv").string(), csv, true);
   out << folder_ << ": " << images << " images and frames.csv\n";
   writeJson(common_.json, {{"images", images}, {"damage", source->damage()}, {"problem", source->problem()}});
   return finish(source->problem(), source->whole(), base::interrupted(), err);

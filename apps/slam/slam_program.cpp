@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slam_program.h"
 
+#include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
@@ -126,8 +127,8 @@ void SlamProgram::writeReport(const store::MapFile& file, const map::Topological
   page.header = &file.header();
   page.map = &map;
   page.records = records;
-  exporters::writeText((folder / "images.jsonl").string(), lines, true);
-  exporters::writeText((folder / "index.html").string(), exporters::toHtml(page), true);
+  base::writeText((folder / "images.jsonl").string(), lines, true);
+  base::writeText((folder / "index.html").string(), exporters::toHtml(page), true);
   exporters::writeScene((folder / "map.3Dscene").string(), map, {.images = true, .overwrite = true});
   exporters::writeGraph((folder / "map.graph").string(), map, true);
   exporters::writeTum((folder / "trajectory.tum").string(), map, true);

@@ -3,6 +3,7 @@
 #include "data_set.h"
 
 #include "engram/apps/program.h"
+#include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/parallel.h"
@@ -113,7 +114,7 @@ class Maker {
       if (n <= o_.sessions) std::snprintf(stem, sizeof stem, "session_%02d", n);
       makeSession(n, stem, n <= o_.sessions ? world::DriveKind::kTour : world::DriveKind::kTest, all);
     }
-    writeFileAtomically(file("world.json"), worldJson().dump(2) + "\n");
+    base::writeText(file("world.json"), worldJson().dump(2) + "\n", true);
     figures_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (figures_.images > 0) figures_.msPerFrame = 1000 * busy_ / static_cast<double>(figures_.images);
     return figures_;
@@ -123,17 +124,17 @@ class Maker {
   std::string file(const std::string& name) const { return (fs::path(o_.folder) / name).string(); }
 
   void writeCameras() {
-    writeFileAtomically(file("camera.ini"), cameras::toText(eyes_.left));
+    base::writeText(file("camera.ini"), cameras::toText(eyes_.left), true);
     if (!eyes_.right) return;
-    writeFileAtomically(file("camera_left.ini"), cameras::toText(eyes_.left));
-    writeFileAtomically(file("camera_right.ini"), cameras::toText(*eyes_.right));
+    base::writeText(file("camera_left.ini"), cameras::toText(eyes_.left), true);
+    base::writeText(file("camera_right.ini"), cameras::toText(*eyes_.right), true);
   }
 
   void writePlan() {
     std::vector<unsigned char> png;
     cv::imencode(".png", drawPlan(world_, world_.appearance(1)), png);
-    writeFileAtomically(file("plan.png"), std::string(png.begin(), png.end()));
-    writeFileAtomically(file("plan.txt"), world_.plan().toText());
+    base::writeText(file("plan.png"), std::string(png.begin(), png.end()), true);
+    base::writeText(file("plan.txt"), world_.plan().toText(), true);
   }
 
   void makeSession(int number, const std::string& stem, world::DriveKind kind, int all) {
@@ -155,8 +156,8 @@ class Maker {
       const double share = static_cast<double>(first + n) / static_cast<double>(session.size());
       progress.update((number - 1 + share) / all, figures_.images + first + n);
     }
-    writeFileAtomically(file(stem + ".truth.tum"), truthText(session));
-    writeFileAtomically(file(stem + ".places.csv"), placesText(session));
+    base::writeText(file(stem + ".truth.tum"), truthText(session), true);
+    base::writeText(file(stem + ".places.csv"), placesText(session), true);
     rawlog.close();
     busy_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     figures_.images += session.size();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "world_program.h"
 
+#include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
 #include "engram/base/error.h"
 #include "plan_picture.h"
@@ -172,7 +173,7 @@ int WorldProgram::render(std::ostream& out) {
   if (ending != ".png" && ending != ".jpg")
     throw base::Error("--out '" + out_ + "' must end in .png or .jpg");
   cv::imencode(ending, image, bytes);
-  writeFileAtomically(out_, std::string(bytes.begin(), bytes.end()));
+  base::writeText(out_, std::string(bytes.begin(), bytes.end()), true);
   out << "session " << session_ << ": " << appearance.inWords() << "\n";
   return kOk;
 }
@@ -183,12 +184,12 @@ int WorldProgram::showPlan(std::ostream& out) {
   if (out_.empty()) {
     out << p.toText();
   } else if (!picture) {
-    writeFileAtomically(out_, p.toText());
+    base::writeText(out_, p.toText(), true);
   } else {
     const world::World world(p, params_);
     std::vector<unsigned char> png;
     cv::imencode(".png", drawPlan(world, world.appearance(1)), png);
-    writeFileAtomically(out_, std::string(png.begin(), png.end()));
+    base::writeText(out_, std::string(png.begin(), png.end()), true);
   }
   return kOk;
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/exporters/exporters.h"
 
+#include "engram/base/atomic_file.h"
+
 #include "engram/base/error.h"
 #include "engram/map/graph.h"
 #include "engram/posegraph/mrpt_graph.h"
@@ -152,17 +154,17 @@ TEST_F(ExporterTest, NothingIsOverwrittenUnlessAsked) {
     }
     return std::string("no base::Error");
   };
-  writeText(path("m"), "precious");
+  base::writeText(path("m"), "precious");
   EXPECT_THAT(message([&] { writeScene(path("m"), map_); }), HasSubstr("exists already"));
   EXPECT_THAT(message([&] { writeGraph(path("m"), map_); }), HasSubstr("exists already"));
   EXPECT_THAT(message([&] { writeTum(path("m"), map_); }), HasSubstr("exists already"));
   EXPECT_THAT(message([&] { writeDot(path("m"), map_); }), HasSubstr("exists already"));
   EXPECT_EQ(read(path("m")), "precious");
-  writeText(path("m"), "new", true);
+  base::writeText(path("m"), "new", true);
   EXPECT_EQ(read(path("m")), "new");
   EXPECT_THAT(message([&] { writeTum(path("no/such/m"), map_); }), HasSubstr("does not exist"));
   EXPECT_THAT(message([&] { writeTum(folder_.string(), map_, true); }), HasSubstr("is a folder"));
-  EXPECT_THAT(message([&] { writeText("/proc/engram", "x"); }), HasSubstr("/proc/engram"));
+  EXPECT_THAT(message([&] { base::writeText("/proc/engram", "x"); }), HasSubstr("/proc/engram"));
   // No temporary file is left behind.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
 }

@@ -13,6 +13,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 
@@ -50,22 +51,6 @@ void ConfigOptions::declare(CLI::App& app) {
   app.add_flag("--dump-config", dump, "Print every key in force with its meaning, and stop");
 }
 
-void writeFileAtomically(const std::string& path, const std::string& content) {
-  const std::string temporary = path + ".partial";
-  {
-    std::ofstream file(temporary, std::ios::binary);
-    file << content;
-    file.flush();
-    if (!file) {
-      const std::string why = std::strerror(errno);
-      std::remove(temporary.c_str());
-      throw base::Error(path + ": cannot be written (" + why + ")");
-    }
-  }
-  if (std::rename(temporary.c_str(), path.c_str()) != 0)
-    throw base::Error(path + ": cannot be written (" + std::strerror(errno) + ")");
-}
-
 void requireFolderOf(const std::string& path) {
   const auto folder = std::filesystem::path(path).parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder))
@@ -80,7 +65,7 @@ void makeFolder(const std::string& path) {
 }
 
 void writeJson(const std::string& path, const nlohmann::json& figures) {
-  if (!path.empty()) writeFileAtomically(path, figures.dump(2) + "\n");
+  if (!path.empty()) base::writeText(path, figures.dump(2) + "\n", true);
 }
 
 std::uint64_t peakResidentBytes() {

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "atomic_file.h"
 #include "colours.h"
 #include "engram/base/error.h"
 #include "engram/exporters/exporters.h"
+
+#include "engram/base/atomic_file.h"
 
 #include <mrpt/opengl/CGridPlaneXY.h>
 #include <mrpt/opengl/COpenGLScene.h>
@@ -215,7 +216,7 @@ gl::COpenGLScene sceneOf(const map::TopologicalMap& map, bool withImages) {
 }  // namespace
 
 void writeScene(const std::string& path, const map::TopologicalMap& map, const SceneOptions& options) {
-  writeAtomically(path, options.overwrite, [&](const std::string& temporary) {
+  base::writeAtomically(path, options.overwrite, [&](const std::string& temporary) {
     const bool jpegWasOff = mrpt::img::CImage::DISABLE_JPEG_COMPRESSION();
     mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(false);  // otherwise the textures are stored raw
     const bool ok = sceneOf(map, options.images).saveToFile(temporary);

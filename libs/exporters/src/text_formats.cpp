@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/exporters/exporters.h"
+
+#include "engram/base/atomic_file.h"
 #include "engram/map/graph.h"
 #include "engram/posegraph/mrpt_graph.h"
 
@@ -13,7 +15,7 @@ void writeGraph(const std::string& path, const map::TopologicalMap& map, bool ov
   std::ostringstream out;
   out << std::setprecision(17);  // MRPT's own saveToTextFile() keeps six digits
   posegraph::toMrpt(map::toGraph(map)).writeAsText(out);
-  writeText(path, out.str(), overwrite);
+  base::writeText(path, out.str(), overwrite);
 }
 
 void writeTum(const std::string& path, const map::TopologicalMap& map, bool overwrite) {
@@ -28,7 +30,7 @@ void writeTum(const std::string& path, const map::TopologicalMap& map, bool over
       out << ' ' << v;
     out << '\n';
   }
-  writeText(path, out.str(), overwrite);
+  base::writeText(path, out.str(), overwrite);
 }
 
 void writeDot(const std::string& path, const map::TopologicalMap& map, bool overwrite) {
@@ -45,7 +47,7 @@ void writeDot(const std::string& path, const map::TopologicalMap& map, bool over
         << (edge.type == map::EdgeType::kOdometry ? "" : ", penwidth=2")
         << (edge.type == map::EdgeType::kWeak ? ", style=dashed" : "") << "];\n";
   out << "}\n";
-  writeText(path, out.str(), overwrite);
+  base::writeText(path, out.str(), overwrite);
 }
 
 }  // namespace engram::exporters

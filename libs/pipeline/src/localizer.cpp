@@ -33,10 +33,6 @@ Localizer::Localizer(const PipelineParams& params, map::TopologicalMap map, bool
 
 types::FrameReport Localizer::process(const types::Frame& frame) {
   Work work(frame);
-  work.report.index = frame.index;
-  work.report.stamp = frame.stamp;
-  work.report.label = frame.label;
-
   move(work);
   if (!perceive(work)) return work.report;
   recognise(work);
@@ -56,15 +52,9 @@ void Localizer::restart() {
 void Localizer::move(Work& work) { reckoning_.move(work.frame.T_odom_robot); }
 
 bool Localizer::perceive(Work& work) {
-  const StepTimer timer(work.report, "perceive");
-  work.report.outcome = types::Outcome::kUnusable;
-  work.report.reason = perception_.refusal(work.frame.image);
-  if (!work.report.reason.empty()) return false;
-  work.features = perception_(work.frame.image);
-  work.report.features = static_cast<int>(work.features.size());
-  if (work.report.features >= params_.recognise.accept_inliers) return true;
-  work.report.reason = "too few features";
-  return false;
+  auto features = perception_.look(work.frame, params_.recognise.accept_inliers, work.report);
+  if (features) work.features = std::move(*features);
+  return features.has_value();
 }
 
 void Localizer::recognise(Work& work) {

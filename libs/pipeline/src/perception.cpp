@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/perception.h"
 
+#include "step_timer.h"
+
 #include "engram/base/error.h"
 
 #include <opencv2/imgproc.hpp>
@@ -36,6 +38,22 @@ void Perception::setRig(cameras::CameraRig rig) {
   R_robot_cam_ = rig.T_robot_cam.linear().cast<float>();
   lifting_ = std::make_unique<cameras::LiftingTable>(rig);
   rig_ = std::move(rig);
+}
+
+std::optional<types::Features> Perception::look(const types::Frame& frame, int minFeatures,
+                                                types::FrameReport& report) {
+  const StepTimer timer(report, "perceive");
+  report.index = frame.index;
+  report.stamp = frame.stamp;
+  report.label = frame.label;
+  report.outcome = types::Outcome::kUnusable;
+  report.reason = refusal(frame.image);
+  if (!report.reason.empty()) return std::nullopt;
+  types::Features features = (*this)(frame.image);
+  report.features = static_cast<int>(features.size());
+  if (report.features >= minFeatures) return features;
+  report.reason = "too few features";
+  return std::nullopt;
 }
 
 std::string Perception::refusal(const cv::Mat& image) {

@@ -45,9 +45,6 @@ struct ConfigOptions {
   void declare(CLI::App& app);
 };
 
-/// Writes `content` to a temporary file beside `path` and renames it: readers see all of it or nothing.
-void writeFileAtomically(const std::string& path, const std::string& content);
-
 /// Throws base::Error when the folder of an output file does not exist: found out before the work, not after it.
 /// An empty path is no output.
 void requireFolderOf(const std::string& path);

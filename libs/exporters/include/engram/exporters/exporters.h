@@ -31,7 +31,4 @@ void writeTum(const std::string& path, const map::TopologicalMap& map, bool over
 /// The graph for Graphviz, places at their positions: `neato -n2 -Tsvg`.
 void writeDot(const std::string& path, const map::TopologicalMap& map, bool overwrite = false);
 
-/// Any text, in the same way.
-void writeText(const std::string& path, const std::string& text, bool overwrite = false);
-
 }  // namespace engram::exporters

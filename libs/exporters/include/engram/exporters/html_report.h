@@ -21,7 +21,7 @@ struct HtmlReport {
   std::vector<std::pair<std::string, std::string>> figures;  ///< further rows of the first table: name, value
 };
 
-/// One page with all drawings inside; it loads nothing from anywhere. Write it with writeText().
+/// One page with all drawings inside; it loads nothing from anywhere. Write it with base::writeText().
 std::string toHtml(const HtmlReport& report);
 
 }  // namespace engram::exporters

@@ -9,6 +9,8 @@
 #include "engram/features/extractor.h"
 #include "engram/map/map_content.h"
 #include "engram/types/features.h"
+#include "engram/types/frame.h"
+#include "engram/types/frame_report.h"
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
@@ -35,10 +37,13 @@ class Perception {
   /// Throws base::Error when the calibration cannot be read.
   Perception(CameraParams camera, const features::ExtractorParams& extractor);
 
-  /// Why this image cannot be used, in words; empty when it can. The first image fixes the size of an
-  /// uncalibrated camera. Throws base::Error when the first image contradicts the calibration.
-  std::string refusal(const cv::Mat& image);
+  /// Features of a frame. None, with outcome and reason in the report, for an image of another size or with fewer than
+  /// `minFeatures` features. The first image fixes the size of an uncalibrated camera. Throws base::Error when the first
+  /// image contradicts the calibration.
+  std::optional<types::Features> look(const types::Frame& frame, int minFeatures, types::FrameReport& report);
 
+  /// Why this image cannot be used, in words; empty when it can. Throws as look().
+  std::string refusal(const cv::Mat& image);
   /// Features of an image that refusal() accepted.
   types::Features operator()(const cv::Mat& image) const;
 

@@ -1,28 +1,27 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "atomic_file.h"
+#include "engram/base/atomic_file.h"
 
 #include "engram/base/error.h"
-#include "engram/exporters/exporters.h"
 
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
-namespace engram::exporters {
+namespace engram::base {
 
 namespace fs = std::filesystem;
 
 void writeAtomically(const std::string& path, bool overwrite,
                      const std::function<void(const std::string&)>& write) {
-  if (path.empty()) throw base::Error("the output needs a file name");
-  if (fs::is_directory(path)) throw base::Error("cannot write '" + path + "': it is a folder");
+  if (path.empty()) throw Error("the output needs a file name");
+  if (fs::is_directory(path)) throw Error("cannot write '" + path + "': it is a folder");
   if (fs::exists(path) && !overwrite)
-    throw base::Error("'" + path + "' exists already. Allow overwriting, or choose another name");
+    throw Error("'" + path + "' exists already. Allow overwriting, or choose another name");
   const fs::path folder = fs::absolute(path).parent_path();
   if (!fs::is_directory(folder))
-    throw base::Error("cannot write '" + path + "': folder '" + folder.string() + "' does not exist");
+    throw Error("cannot write '" + path + "': folder '" + folder.string() + "' does not exist");
   // The ending stays last: some writers choose the format by it.
   const std::string temporary = (folder / (".partial-" + fs::path(path).filename().string())).string();
   try {
@@ -31,11 +30,11 @@ void writeAtomically(const std::string& path, bool overwrite,
   } catch (const fs::filesystem_error& e) {
     std::error_code ignored;
     fs::remove(temporary, ignored);
-    throw base::Error("cannot write '" + path + "': " + e.code().message());
-  } catch (const base::Error& e) {
+    throw Error("cannot write '" + path + "': " + e.code().message());
+  } catch (const Error& e) {
     std::error_code ignored;
     fs::remove(temporary, ignored);
-    throw base::Error("cannot write '" + path + "': " + e.what());
+    throw Error("cannot write '" + path + "': " + e.what());
   } catch (...) {
     std::error_code ignored;
     fs::remove(temporary, ignored);
@@ -49,8 +48,8 @@ void writeText(const std::string& path, const std::string& text, bool overwrite)
     std::ofstream out(temporary, std::ios::binary);
     out << text;
     out.close();
-    if (!out) throw base::Error(std::strerror(errno != 0 ? errno : EIO));
+    if (!out) throw Error(std::strerror(errno != 0 ? errno : EIO));
   });
 }
 
-}  // namespace engram::exporters
+}  // namespace engram::base

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-namespace engram::exporters {
+namespace engram::base {
 
 /// Calls write(name of a temporary file beside `path`) and renames that file to `path`. Nothing is left
 /// behind when `write` throws. Throws base::Error when `path` exists and `overwrite` is false, or when it
@@ -13,4 +13,7 @@ namespace engram::exporters {
 void writeAtomically(const std::string& path, bool overwrite,
                      const std::function<void(const std::string&)>& write);
 
-}  // namespace engram::exporters
+/// The same for any text or bytes.
+void writeText(const std::string& path, const std::string& text, bool overwrite = false);
+
+}  // namespace engram::base
