@@ -19,9 +19,12 @@ constexpr double kRightPlaces = 1.25;
 
 const char* word(evaluation::Verdict verdict) {
   switch (verdict) {
-    case evaluation::Verdict::kRight: return "right";
-    case evaluation::Verdict::kWrong: return "wrong";
-    case evaluation::Verdict::kUnknown: return "";
+    case evaluation::Verdict::kRight:
+      return "right";
+    case evaluation::Verdict::kWrong:
+      return "wrong";
+    case evaluation::Verdict::kUnknown:
+      return "";
   }
   return "";
 }
@@ -36,7 +39,8 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 std::string LocalizeFigures::csvHeader() {
-  return "index,stamp,label,outcome,place,place_label,best_guess,best_guess_label,posterior,similarity,inliers,"
+  return "index,stamp,label,outcome,place,place_label,best_guess,best_guess_label,posterior,similarity,"
+         "inliers,"
          "verdict,best_guess_verdict,error_places,ms,reason\n";
 }
 
@@ -68,10 +72,10 @@ void LocalizeFigures::add(const types::FrameReport& report) {
   const types::Hypothesis best = report.hypotheses.empty() ? types::Hypothesis{} : report.hypotheses.front();
   std::ostringstream line;
   line << std::setprecision(15) << report.index << ',' << report.stamp << ',' << quoted(report.label) << ','
-       << types::toString(report.outcome) << ',' << id(report.place) << ',' << quoted(label(report.place)) << ','
-       << id(report.bestGuess) << ',' << quoted(label(report.bestGuess)) << ',' << std::setprecision(4)
-       << best.posterior << ',' << best.similarity << ',' << best.inliers << ',' << word(result.verdict) << ','
-       << word(result.bestGuess) << ',';
+       << types::toString(report.outcome) << ',' << id(report.place) << ',' << quoted(label(report.place))
+       << ',' << id(report.bestGuess) << ',' << quoted(label(report.bestGuess)) << ',' << std::setprecision(4)
+       << best.posterior << ',' << best.similarity << ',' << best.inliers << ',' << word(result.verdict)
+       << ',' << word(result.bestGuess) << ',';
   if (guess.error) line << *guess.error;
   line << ',' << report.milliseconds << ',' << quoted(report.reason) << '\n';
   csv_ += line.str();
@@ -93,7 +97,8 @@ nlohmann::json LocalizeFigures::toJson() const {
                       {"adapted", adapted_},
                       {"ms_per_image", spread(s.milliseconds)},
                       {"peak_rss_bytes", peakResidentBytes()}};
-  for (const char* key : {"answerable", "right", "wrong", "best_guess_right", "within_1_25_places", "error_places"})
+  for (const char* key :
+       {"answerable", "right", "wrong", "best_guess_right", "within_1_25_places", "error_places"})
     j[key] = nullptr;
   if (!truth_) return j;
   j["answerable"] = s.answerable;
@@ -113,13 +118,13 @@ void LocalizeFigures::print(std::ostream& out) const {
   if (adapted_ > 0) out << ", " << adapted_ << " learnt from";
   out << "\n";
   if (truth_) {
-    out << "  of " << s.queries << " with truth: " << s.accepted << " accepted, " << s.right << " right, " << s.wrong
-        << " wrong; best guess right " << s.bestGuessRight;
+    out << "  of " << s.queries << " with truth: " << s.accepted << " accepted, " << s.right << " right, "
+        << s.wrong << " wrong; best guess right " << s.bestGuessRight;
     if (truth_->hasPoses()) out << "; within " << kRightPlaces << " places " << withinF26();
     out << "\n";
   }
-  out << std::fixed << std::setprecision(1) << "  " << s.milliseconds.mean << " ms per image (95 %: "
-      << s.milliseconds.p95 << ", max: " << s.milliseconds.max << ")\n";
+  out << std::fixed << std::setprecision(1) << "  " << s.milliseconds.mean
+      << " ms per image (95 %: " << s.milliseconds.p95 << ", max: " << s.milliseconds.max << ")\n";
 }
 
 }  // namespace engram::apps

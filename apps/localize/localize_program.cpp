@@ -20,14 +20,16 @@ namespace engram::apps {
 namespace fs = std::filesystem;
 
 std::string LocalizeProgram::description() const {
-  return "Says where the images of a rawlog were taken in a map. The map does not change, unless --adapt lets its places "
+  return "Says where the images of a rawlog were taken in a map. The map does not change, unless --adapt "
+         "lets its places "
          "learn from what they are verified to look like.";
 }
 
 std::string LocalizeProgram::examples() const {
   return "  engram-localize config/fsh_omni.ini --map office.engram --rawlog day3.rawlog --out day3.csv\n"
          "  engram-localize config/fsh_omni.ini --map office.engram --rawlog day3.rawlog --adapt\n"
-         "  engram-localize config/fsh_omni.ini --map office.engram --rawlog test.rawlog --truth test.truth.tum\n"
+         "  engram-localize config/fsh_omni.ini --map office.engram --rawlog test.rawlog --truth "
+         "test.truth.tum\n"
          "  engram-localize config/fsh_mono.ini --map left.engram --rawlog right.rawlog --truth truth.csv\n";
 }
 
@@ -36,7 +38,8 @@ void LocalizeProgram::declare(CLI::App& app) {
   app.add_option("--map", map_, "Map made by engram-slam");
   app.add_option("--rawlog", rawlog_, "Rawlog with images, and odometry if there is any");
   app.add_flag("--adapt", adapt_, "Let recognised places learn; the map file is changed");
-  app.add_flag("--global", global_, "Forget the belief before every image: global localisation of single images");
+  app.add_flag("--global", global_,
+               "Forget the belief before every image: global localisation of single images");
   app.add_option("--truth", truth_,
                  "Ground truth: query,first,last | image,matches | a,b links | TUM poses of this drive");
   app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images, links or places");
@@ -90,7 +93,8 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
 }
 
 int LocalizeProgram::conclude(const LocalizeFigures& figures, const std::string& records,
-                              const sources::RawlogSource& source, std::ostream& out, std::ostream& err) const {
+                              const sources::RawlogSource& source, std::ostream& out,
+                              std::ostream& err) const {
   const std::string problem = source.problem();
   if (figures.images() == 0 && !base::interrupted())
     throw base::Error(problem.empty() ? rawlog_ + " holds no images" : problem);

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "localize_figures.h"
-
 #include "engram/apps/program.h"
 #include "engram/apps/run_config.h"
+#include "localize_figures.h"
 
 #include <string>
 
@@ -21,8 +20,8 @@ class LocalizeProgram : public Program {
   int run(std::ostream& out, std::ostream& err) override;
 
  private:
-  int conclude(const LocalizeFigures& figures, const std::string& records, const sources::RawlogSource& source,
-               std::ostream& out, std::ostream& err) const;
+  int conclude(const LocalizeFigures& figures, const std::string& records,
+               const sources::RawlogSource& source, std::ostream& out, std::ostream& err) const;
 
   RunConfig config_;
   std::string rawlog_, map_, truth_, csv_, report_, json_;

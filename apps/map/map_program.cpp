@@ -174,15 +174,14 @@ int MapProgram::exportMap(std::ostream& out) const {
   } else {
     const auto records = file.records();
     const std::string name = std::filesystem::path(map_).filename().string();
-    base::writeText(
-        output_,
-        exporters::toHtml(
-            {.title = "Engram map " + name,
-             .header = &file.header(),
-             .map = &map,
-             .records = records,
-             .figures = {{"Size of the file [MB]", fixed(static_cast<double>(file.bytes()) / 1e6, 2)}}}),
-        overwrite_);
+    base::writeText(output_,
+                    exporters::toHtml({.title = "Engram map " + name,
+                                       .header = &file.header(),
+                                       .map = &map,
+                                       .records = records,
+                                       .figures = {{"Size of the file [MB]",
+                                                    fixed(static_cast<double>(file.bytes()) / 1e6, 2)}}}),
+                    overwrite_);
   }
   if (!quiet_) out << output_ << ": written\n";
   return kOk;

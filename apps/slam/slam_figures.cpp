@@ -12,7 +12,8 @@
 
 namespace engram::apps {
 
-void SlamFigures::add(const types::FrameReport& report, const map::TopologicalMap& map, const MapTruth* truth) {
+void SlamFigures::add(const types::FrameReport& report, const map::TopologicalMap& map,
+                      const MapTruth* truth) {
   milliseconds_.push_back(report.milliseconds);
   recognised_ += report.outcome == types::Outcome::kRecognised;
   made_ += report.outcome == types::Outcome::kNewPlace;
@@ -20,9 +21,9 @@ void SlamFigures::add(const types::FrameReport& report, const map::TopologicalMa
   unusable_ += report.outcome == types::Outcome::kUnusable;
   hasTruth_ = truth != nullptr;
   if (!report.closure) return;
-  const auto verdict =
-      truth ? truth->judgeClosure(map, report, report.place) : evaluation::Verdict::kUnknown;
-  closures_.push_back({report.index, report.label, report.place, map.place(report.place).createdLabel, verdict});
+  const auto verdict = truth ? truth->judgeClosure(map, report, report.place) : evaluation::Verdict::kUnknown;
+  closures_.push_back(
+      {report.index, report.label, report.place, map.place(report.place).createdLabel, verdict});
 }
 
 nlohmann::json SlamFigures::toJson(const map::TopologicalMap& map, std::uint64_t mapBytes,
@@ -64,10 +65,11 @@ void SlamFigures::print(std::ostream& out, const map::TopologicalMap& map, const
                         std::uint64_t mapBytes) const {
   const evaluation::Percentiles ms = evaluation::percentiles(milliseconds_);
   const auto isFalse = [](const Closure& c) { return c.verdict == evaluation::Verdict::kWrong; };
-  out << path << ": " << map.places().size() << " places, " << map.views().size() << " views, " << map.edges().size()
-      << " edges, " << (mapBytes + 512) / 1024 << " KiB\n"
-      << "  this drive: " << images() << " images, " << made_ << " new places, " << recognised_ << " recognised, "
-      << refused_ << " refused, " << unusable_ << " unusable, " << closures_.size() << " closures";
+  out << path << ": " << map.places().size() << " places, " << map.views().size() << " views, "
+      << map.edges().size() << " edges, " << (mapBytes + 512) / 1024 << " KiB\n"
+      << "  this drive: " << images() << " images, " << made_ << " new places, " << recognised_
+      << " recognised, " << refused_ << " refused, " << unusable_ << " unusable, " << closures_.size()
+      << " closures";
   if (hasTruth_) out << " (" << std::count_if(closures_.begin(), closures_.end(), isFalse) << " false)";
   out << std::fixed << std::setprecision(1) << "\n  " << ms.mean << " ms per image (95 %: " << ms.p95
       << ", max: " << ms.max << ")";

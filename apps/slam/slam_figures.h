@@ -25,11 +25,12 @@ class SlamFigures {
 
   int images() const { return static_cast<int>(milliseconds_.size()); }
 
-  /// Keys: images, keyframes, unusable, refused, places, views, edges, closures, false_closures (null without truth),
-  /// closure_list [{index, label, place, place_label, right}], ate_m (null without TUM truth), map_bytes,
-  /// bytes_per_place, ms_per_image {mean, median, p95, max}, peak_rss_bytes.
+  /// Keys: images, keyframes, unusable, refused, places, views, edges, closures, false_closures (null without
+  /// truth), closure_list [{index, label, place, place_label, right}], ate_m (null without TUM truth),
+  /// map_bytes, bytes_per_place, ms_per_image {mean, median, p95, max}, peak_rss_bytes.
   nlohmann::json toJson(const map::TopologicalMap& map, std::uint64_t mapBytes, std::uint64_t peakRss) const;
-  void print(std::ostream& out, const map::TopologicalMap& map, const std::string& path, std::uint64_t mapBytes) const;
+  void print(std::ostream& out, const map::TopologicalMap& map, const std::string& path,
+             std::uint64_t mapBytes) const;
 
  private:
   struct Closure {

@@ -36,9 +36,11 @@ void SlamProgram::declare(CLI::App& app) {
   const auto overwrite = app.add_flag("--overwrite", overwrite_, "Replace an existing map");
   app.add_flag("--extend", extend_, "Go on with an existing map: wake up in it, update and enlarge it")
       ->excludes(overwrite);
-  app.add_option("--report", report_, "Folder for summary, scene, graph, trajectory and the record of every image");
+  app.add_option("--report", report_,
+                 "Folder for summary, scene, graph, trajectory and the record of every image");
   app.add_option("--truth", truth_, "Ground truth, to count false closures and measure the trajectory");
-  app.add_option("--truth-radius", truthRadius_, "A closure over more than this is false, with TUM truth [m]");
+  app.add_option("--truth-radius", truthRadius_,
+                 "A closure over more than this is false, with TUM truth [m]");
   app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images or links");
   app.add_option("--json", json_, "File for the final figures");
   app.add_flag("-q,--quiet", quiet_, "No progress, no summary");
@@ -103,7 +105,8 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::Mapper& mapper, 
                           const MapTruth* truth, const sources::RawlogSource& source, std::ostream& out,
                           std::ostream& err) {
   const map::TopologicalMap& map = mapper.map();
-  if (truth && truth->hasPoses()) figures.setTrajectoryError(trajectoryError(map, mapper.session(), truth->poses()));
+  if (truth && truth->hasPoses())
+    figures.setTrajectoryError(trajectoryError(map, mapper.session(), truth->poses()));
   if (!report_.empty()) writeReport(file, map);
   file.close();
   const auto bytes = fs::file_size(file.path());

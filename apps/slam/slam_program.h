@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "slam_figures.h"
-
 #include "engram/apps/map_truth.h"
 #include "engram/apps/program.h"
 #include "engram/apps/run_config.h"
 #include "engram/pipeline/mapper.h"
 #include "engram/store/map_file.h"
+#include "slam_figures.h"
 
 #include <optional>
 #include <string>
@@ -26,9 +25,11 @@ class SlamProgram : public Program {
 
  private:
   std::string mapPath() const;
-  store::MapFile createMap(const std::string& path, const pipeline::Mapper& mapper, const types::Frame& first);
-  int conclude(store::MapFile& file, const pipeline::Mapper& mapper, SlamFigures& figures, const MapTruth* truth,
-               const sources::RawlogSource& source, std::ostream& out, std::ostream& err);
+  store::MapFile createMap(const std::string& path, const pipeline::Mapper& mapper,
+                           const types::Frame& first);
+  int conclude(store::MapFile& file, const pipeline::Mapper& mapper, SlamFigures& figures,
+               const MapTruth* truth, const sources::RawlogSource& source, std::ostream& out,
+               std::ostream& err);
   void writeReport(const store::MapFile& file, const map::TopologicalMap& map) const;
 
   RunConfig config_;

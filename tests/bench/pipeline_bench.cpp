@@ -18,7 +18,7 @@ pipeline::PipelineParams params() {
 
 struct Office {
   world::World world = world::World::preset("office", {});
-  map::TopologicalMap map;              // of the first tour, about 80 places
+  map::TopologicalMap map;               // of the first tour, about 80 places
   std::vector<types::Frame> testFrames;  // of another day, at other positions and headings
 };
 
@@ -36,7 +36,8 @@ const Office& office() {
   return office;
 }
 
-// One image from pixels to an answer: SURF, search in all places, filter, verification, and learning when it adapts.
+// One image from pixels to an answer: SURF, search in all places, filter, verification, and learning when it
+// adapts.
 void localise(benchmark::State& state, bool adapt) {
   pipeline::Localizer localizer(params(), office().map, adapt);
   std::size_t i = 0;

@@ -3,7 +3,6 @@
 #include "engram/exporters/exporters.h"
 
 #include "engram/base/atomic_file.h"
-
 #include "engram/base/error.h"
 #include "engram/map/graph.h"
 #include "engram/posegraph/mrpt_graph.h"

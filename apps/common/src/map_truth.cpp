@@ -55,17 +55,19 @@ void MapTruth::readPlaces(const map::TopologicalMap& map) {
   surveyed_.adjacency = belief::Adjacency::fromEdges(ids_.size(), edges);
 }
 
-Judgement MapTruth::judge(const map::TopologicalMap& map, const types::FrameReport& report, base::PlaceId place,
-                          double peak) const {
+Judgement MapTruth::judge(const map::TopologicalMap& map, const types::FrameReport& report,
+                          base::PlaceId place, double peak) const {
   if (!hasPoses()) return {truth_.judge(reference(report), reference(map.place(place))), std::nullopt};
   const auto index = static_cast<int>(std::lower_bound(ids_.begin(), ids_.end(), place) - ids_.begin());
-  const auto error =
-      evaluation::placeError(truth_, report.stamp, surveyed_, index, peak < 0 ? static_cast<double>(index) : peak);
+  const auto error = evaluation::placeError(truth_, report.stamp, surveyed_, index,
+                                            peak < 0 ? static_cast<double>(index) : peak);
   if (!error) return {};
   return {error->verdict, error->places};
 }
 
-bool MapTruth::answerable(const types::FrameReport& report) const { return truth_.answerable(reference(report)); }
+bool MapTruth::answerable(const types::FrameReport& report) const {
+  return truth_.answerable(reference(report));
+}
 
 std::optional<double> trajectoryError(const map::TopologicalMap& map, int session,
                                       const evaluation::Trajectory& truth) {

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/apps/program.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
+#include "engram/base/atomic_file.h"
+#include "engram/base/error.h"
+#include "engram/base/interrupt.h"
+
+#include <nlohmann/json.hpp>
 
 #include <cerrno>
 #include <cstdio>
@@ -11,15 +14,13 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <nlohmann/json.hpp>
-
-#include "engram/base/atomic_file.h"
-#include "engram/base/error.h"
-#include "engram/base/interrupt.h"
+#include <sys/resource.h>
+#include <unistd.h>
 
 namespace engram::apps {
 
-int runProgram(Program& program, const std::vector<std::string>& arguments, std::ostream& out, std::ostream& err) {
+int runProgram(Program& program, const std::vector<std::string>& arguments, std::ostream& out,
+               std::ostream& err) {
   CLI::App app(program.description(), program.name());
   app.footer("Examples:\n" + program.examples() +
              "\nExit codes: 0 ok, 1 error, 2 usage, 3 stopped early, what was done is kept.");

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/base/config.h"
 
+#include "engram/base/error.h"
+
 #include <algorithm>
 #include <fstream>
 #include <numeric>
 #include <sstream>
-
-#include "engram/base/error.h"
 
 namespace engram::base {
 namespace {

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/base/params.h"
 
+#include "engram/base/error.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
-
-#include "engram/base/error.h"
 
 namespace engram::base {
 namespace {
@@ -100,7 +100,8 @@ void Params::addChoice(const std::string& key, std::string& value, const std::st
     if (std::find(names.begin(), names.end(), *v) == names.end())
       throw ConfigError("'" + *v + "' is not one of " + list);
   };
-  fields_.push_back({key, help + " (" + list + ")", [v](const std::string& s) { *v = s; }, [v] { return *v; }, check});
+  fields_.push_back(
+      {key, help + " (" + list + ")", [v](const std::string& s) { *v = s; }, [v] { return *v; }, check});
 }
 
 }  // namespace engram::base

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/base/progress.h"
 
-#include <unistd.h>
-
 #include <cstdio>
 #include <ostream>
+#include <unistd.h>
 
 namespace engram::base {
 namespace {
@@ -30,7 +29,11 @@ std::string describe(const std::string& what, double fraction, std::size_t items
 }  // namespace
 
 Progress::Progress(std::ostream* out, std::string what)
-    : out_(out), what_(std::move(what)), isTerminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), last_(start_) {}
+    : out_(out),
+      what_(std::move(what)),
+      isTerminal_(isatty(STDERR_FILENO) != 0),
+      start_(Clock::now()),
+      last_(start_) {}
 
 Progress::~Progress() { finish(); }
 

@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "colours.h"
+#include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/exporters/exporters.h"
-
-#include "engram/base/atomic_file.h"
 
 #include <mrpt/opengl/CGridPlaneXY.h>
 #include <mrpt/opengl/COpenGLScene.h>

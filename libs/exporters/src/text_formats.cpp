@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/exporters/exporters.h"
-
 #include "engram/base/atomic_file.h"
+#include "engram/exporters/exporters.h"
 #include "engram/map/graph.h"
 #include "engram/posegraph/mrpt_graph.h"
 

@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/localizer.h"
 
-#include "step_timer.h"
-
 #include "engram/base/error.h"
+#include "step_timer.h"
 
 #include <limits>
 
@@ -115,8 +114,8 @@ bool Localizer::agreesWithMotion(base::PlaceId place) const {
   return distance <= 2.0 * params_.place.spacing + params_.odometry.max_drift * sinceLast_;
 }
 
-/// Only what was verified is learnt, and only once the places accepted before agree with it (F-E16, X-07): one wrong
-/// answer that is learnt makes the next one look right. A standing robot learns once.
+/// Only what was verified is learnt, and only once the places accepted before agree with it (F-E16, X-07):
+/// one wrong answer that is learnt makes the next one look right. A standing robot learns once.
 void Localizer::remember(Work& work) {
   const StepTimer timer(work.report, "remember");
   if (!work.accepted || agreeing_ < params_.recognise.learn_after) return;

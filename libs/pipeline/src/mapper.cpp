@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/mapper.h"
 
+#include "engram/map/graph.h"
 #include "step_timer.h"
 #include "thumbnail.h"
-
-#include "engram/map/graph.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,8 +33,8 @@ struct Mapper::Work {
   const types::Frame& frame;
   types::Features features;
   types::FrameReport report;
-  std::vector<Candidate> candidates;   // verified or not, in the order they were tried
-  std::optional<Candidate> accepted;   // the place where the robot is
+  std::vector<Candidate> candidates;  // verified or not, in the order they were tried
+  std::optional<Candidate> accepted;  // the place where the robot is
   bool makesPlace = false;
 };
 
@@ -79,7 +78,8 @@ bool Mapper::select(Work& work) {
   const StepTimer timer(work.report, "select");
   if (lastKeyframe_.empty()) return true;
   if (reckoning_.known()) {
-    if (reckoning_.distance() >= params_.select.min_distance || reckoning_.rotation() >= params_.select.min_rotation)
+    if (reckoning_.distance() >= params_.select.min_distance ||
+        reckoning_.rotation() >= params_.select.min_rotation)
       return true;
     work.report.reason = "the robot has not moved";
   } else {
@@ -129,7 +129,8 @@ void Mapper::verify(Work& work) {
   const auto nearest = nearestByOdometry();
   const base::PlaceId near = nearest ? nearest->first : anchor_;
   const PlaceMatch& match = tryPlace(near);
-  if (strongEnough(match, params_.recognise) && belongsTo(near, match)) work.accepted = work.candidates.back();
+  if (strongEnough(match, params_.recognise) && belongsTo(near, match))
+    work.accepted = work.candidates.back();
   if (near != anchor_ && !work.accepted) tryPlace(anchor_);
 }
 
@@ -137,7 +138,8 @@ bool Mapper::isRecent(base::PlaceId place) const { return frontier_ && recent_.c
 
 /// Where odometry puts the robot, seen from a place near the anchor.
 Eigen::Isometry3d Mapper::T_place_robot(base::PlaceId place) const {
-  return map_.place(place).T_map_place.inverse() * map_.place(anchor_).T_map_place * reckoning_.anchorToRobot().T_a_b;
+  return map_.place(place).T_map_place.inverse() * map_.place(anchor_).T_map_place *
+         reckoning_.anchorToRobot().T_a_b;
 }
 
 /// The place around the anchor that is nearest to the robot by odometry, with its distance [m].
@@ -156,7 +158,8 @@ bool Mapper::isClosure(base::PlaceId place) const {
   return anchor_.valid() && map_.hopDistances(anchor_, params_.place.recent_hops).count(place) == 0;
 }
 
-/// A closure needs more evidence than a step within the map, and must not ask for more drift than odometry has.
+/// A closure needs more evidence than a step within the map, and must not ask for more drift than odometry
+/// has.
 bool Mapper::closable(base::PlaceId place, const PlaceMatch& match) const {
   if (static_cast<int>(match.matches.size()) < params_.recognise.closure_inliers) return false;
   const auto visited = lastVisit_.find(place);
@@ -284,7 +287,8 @@ void Mapper::addView(const Work& work, base::PlaceId place, int thumbnailWidth) 
   map_.addView(std::move(view));
 }
 
-std::vector<std::pair<std::uint32_t, std::uint32_t>> Mapper::correspondences(const PlaceMatch& match, base::PlaceId a,
+std::vector<std::pair<std::uint32_t, std::uint32_t>> Mapper::correspondences(const PlaceMatch& match,
+                                                                             base::PlaceId a,
                                                                              base::PlaceId b) const {
   const auto& statesA = map_.place(a).memory.states;
   const auto& statesB = map_.place(b).memory.states;
@@ -304,7 +308,8 @@ void Mapper::joinPlace(Work& work, const Candidate& candidate) {
   if (isRecent(id) && metric()) return;  // odometry since the anchor is better than the place's extent
 
   const bool near = anchor_.valid() && !isClosure(id);
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // at the place itself, unless odometry knows better
+  Eigen::Vector3d offset =
+      Eigen::Vector3d::Zero();  // at the place itself, unless odometry knows better
   if (near && metric()) {
     offset = T_place_robot(id).translation();
     offset *= std::min(1.0, 0.5 * params_.place.spacing / std::max(1e-9, offset.norm()));

@@ -6,8 +6,8 @@ namespace engram::pipeline {
 
 void SelectParams::describe(base::Params& p) {
   p.add("min_distance", min_distance, "with odometry: distance from one keyframe to the next [m]", {0, 100});
-  p.addDegrees("min_rotation_deg", min_rotation, "with odometry: or rotation from one keyframe to the next [deg]",
-               {0, 180});
+  p.addDegrees("min_rotation_deg", min_rotation,
+               "with odometry: or rotation from one keyframe to the next [deg]", {0, 180});
   p.add("standing_similarity", standing_similarity,
         "without odometry: an image this similar to the last keyframe is dropped", {0, 1});
 }
@@ -17,9 +17,10 @@ void PlaceParams::describe(base::Params& p) {
         {0.05, 100});
   p.add("same_similarity", same_similarity,
         "without odometry: an image this similar to a place just made belongs to it", {0, 1});
-  p.add("recent_hops", recent_hops, "places this near to the newest one in the graph are no loop closure [edges]",
-        {0, 1000});
-  p.add("patience", patience, "unrecognised images in a row in known territory before new places are made", {1, 1000});
+  p.add("recent_hops", recent_hops,
+        "places this near to the newest one in the graph are no loop closure [edges]", {0, 1000});
+  p.add("patience", patience, "unrecognised images in a row in known territory before new places are made",
+        {1, 1000});
   p.add("keep_thumbnails", keep_thumbnails, "width of the stored thumbnail of a place [px]; 0 stores none",
         {0, 1024});
 }
@@ -29,9 +30,11 @@ void RecogniseParams::describe(base::Params& p) {
   p.add("accept_inliers", accept_inliers, "verified matches that acceptance needs", {4, 10000});
   p.add("closure_inliers", closure_inliers, "verified matches that a loop closure needs", {4, 10000});
   p.add("closure_similarity", closure_similarity,
-        "while mapping: similarity that different places of one building show; instead of [belief] new_place_similarity",
+        "while mapping: similarity that different places of one building show; instead of [belief] "
+        "new_place_similarity",
         {0, 1});
-  p.add("accept_similarity", accept_similarity, "similarity over verified matches that acceptance needs", {0, 1});
+  p.add("accept_similarity", accept_similarity, "similarity over verified matches that acceptance needs",
+        {0, 1});
   p.add("learn_after", learn_after,
         "localising: accepted images in a row that agree with odometry before a place learns", {1, 1000});
   p.add("threads", threads, "threads of the search; the result does not depend on it", {1, 64});
@@ -39,10 +42,11 @@ void RecogniseParams::describe(base::Params& p) {
 
 void OdometryParams::describe(base::Params& p) {
   p.add("sigma_per_metre", sigma_per_metre, "noise of the position [m per m]", {0, 1});
-  p.addDegrees("sigma_heading_per_metre_deg", sigma_heading_per_metre, "noise of the heading [deg per m]", {0, 90});
+  p.addDegrees("sigma_heading_per_metre_deg", sigma_heading_per_metre, "noise of the heading [deg per m]",
+               {0, 90});
   p.add("sigma_heading_per_radian", sigma_heading_per_radian, "noise of the heading [rad per rad]", {0, 1});
-  p.add("max_drift", max_drift, "drift that a loop closure may mend, of the way since the place was visited [m per m]",
-        {0, 10});
+  p.add("max_drift", max_drift,
+        "drift that a loop closure may mend, of the way since the place was visited [m per m]", {0, 10});
   p.add("sigma_floor", sigma_floor, "least standard deviation of an edge [m and rad]", {1e-6, 10});
 }
 

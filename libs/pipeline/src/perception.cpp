@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/perception.h"
 
-#include "step_timer.h"
-
 #include "engram/base/error.h"
+#include "step_timer.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -23,7 +22,9 @@ void CameraParams::describe(base::Params& p) {
 }
 
 Perception::Perception(CameraParams camera, const features::ExtractorParams& extractor)
-    : params_(std::move(camera)), extractor_(features::makeExtractor(extractor)), upright_(extractor.upright) {
+    : params_(std::move(camera)),
+      extractor_(features::makeExtractor(extractor)),
+      upright_(extractor.upright) {
   if (!params_.file.empty()) setRig(cameras::loadCamera(params_.file));
 }
 

@@ -11,8 +11,8 @@ namespace engram::pipeline {
 
 namespace {
 
-/// While mapping, views of other places of the same building compete with the new place; in a finished map the
-/// new-place similarity only tells evidence from noise.
+/// While mapping, views of other places of the same building compete with the new place; in a finished map
+/// the new-place similarity only tells evidence from noise.
 belief::BeliefParams paramsFor(Recogniser::Mode mode, const PipelineParams& params) {
   belief::BeliefParams belief = params.belief;
   if (mode == Recogniser::Mode::kMapping) belief.new_place_similarity = params.recognise.closure_similarity;
@@ -78,7 +78,8 @@ std::vector<double> Recogniser::similarities(const types::Features& view) const 
   return result;
 }
 
-std::vector<types::Hypothesis> Recogniser::recognise(const types::Features& view, std::optional<double> travelled,
+std::vector<types::Hypothesis> Recogniser::recognise(const types::Features& view,
+                                                     std::optional<double> travelled,
                                                      const std::set<base::PlaceId>& excluded) {
   if (ids_.empty()) return {};
   const std::vector<double> scores = similarities(view);
@@ -91,10 +92,11 @@ std::vector<types::Hypothesis> Recogniser::recognise(const types::Features& view
   std::vector<int> order(ids_.size());
   std::iota(order.begin(), order.end(), 0);
   const auto n = std::min<std::size_t>(order.size(), static_cast<std::size_t>(params_.candidates));
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n), order.end(), [&](int a, int b) {
-    const double pa = posterior[static_cast<std::size_t>(a)], pb = posterior[static_cast<std::size_t>(b)];
-    return pa != pb ? pa > pb : a < b;
-  });
+  std::partial_sort(
+      order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n), order.end(), [&](int a, int b) {
+        const double pa = posterior[static_cast<std::size_t>(a)], pb = posterior[static_cast<std::size_t>(b)];
+        return pa != pb ? pa > pb : a < b;
+      });
   std::vector<types::Hypothesis> hypotheses;
   for (std::size_t k = 0; k < n; ++k) {
     const auto i = static_cast<std::size_t>(order[k]);
@@ -104,8 +106,8 @@ std::vector<types::Hypothesis> Recogniser::recognise(const types::Features& view
   return hypotheses;
 }
 
-/// Places just made look like the image without being the answer: the new-place state stands for them. For the
-/// statistics over the map they count as one more ordinary place.
+/// Places just made look like the image without being the answer: the new-place state stands for them. For
+/// the statistics over the map they count as one more ordinary place.
 belief::Likelihood Recogniser::likelihoodWithout(const std::set<base::PlaceId>& excluded,
                                                  std::vector<double> scores) const {
   double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
@@ -114,7 +116,8 @@ belief::Likelihood Recogniser::likelihoodWithout(const std::set<base::PlaceId>& 
   for (const auto id : excluded)
     scores[static_cast<std::size_t>(indexOf(id))] = others > 0 ? std::clamp(sum / others, 0.0, 1.0) : 0.0;
   belief::Likelihood result = belief::likelihood(scores, adjacency_, filter_.params());
-  for (const auto id : excluded) result.places[static_cast<std::size_t>(indexOf(id))] = filter_.params().floor;
+  for (const auto id : excluded)
+    result.places[static_cast<std::size_t>(indexOf(id))] = filter_.params().floor;
   return result;
 }
 

@@ -11,14 +11,19 @@ namespace engram::types {
 std::size_t Descriptors::rowBytes() const {
   const auto dim = static_cast<std::size_t>(dim_);
   switch (kind_) {
-    case DescriptorKind::kFloat: return dim * sizeof(float);
-    case DescriptorKind::kInt8: return dim;
-    case DescriptorKind::kBinary: return (dim + 63) / 64 * 8;
+    case DescriptorKind::kFloat:
+      return dim * sizeof(float);
+    case DescriptorKind::kInt8:
+      return dim;
+    case DescriptorKind::kBinary:
+      return (dim + 63) / 64 * 8;
   }
   return 0;
 }
 
-const float* Descriptors::floats(std::size_t i) const { return reinterpret_cast<const float*>(row(i).data()); }
+const float* Descriptors::floats(std::size_t i) const {
+  return reinterpret_cast<const float*>(row(i).data());
+}
 
 const std::int8_t* Descriptors::int8(std::size_t i) const {
   return reinterpret_cast<const std::int8_t*>(row(i).data());

@@ -6,11 +6,16 @@ namespace engram::types {
 
 const char* toString(Outcome outcome) {
   switch (outcome) {
-    case Outcome::kSkipped: return "skipped";
-    case Outcome::kUnusable: return "unusable";
-    case Outcome::kNewPlace: return "new_place";
-    case Outcome::kRecognised: return "recognised";
-    case Outcome::kRefused: return "refused";
+    case Outcome::kSkipped:
+      return "skipped";
+    case Outcome::kUnusable:
+      return "unusable";
+    case Outcome::kNewPlace:
+      return "new_place";
+    case Outcome::kRecognised:
+      return "recognised";
+    case Outcome::kRefused:
+      return "refused";
   }
   return "?";
 }

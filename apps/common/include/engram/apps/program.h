@@ -3,9 +3,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json_fwd.hpp>
+
 #include <functional>
 #include <iosfwd>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,8 @@ enum ExitCode : int {
   kPartial = 3,  ///< stopped early (Ctrl-C, damaged input); what was done is kept
 };
 
-/// A program as a class: main() is `return runProgram(program, argc, argv);`, and tests call it with their own streams.
+/// A program as a class: main() is `return runProgram(program, argc, argv);`, and tests call it with their
+/// own streams.
 class Program {
  public:
   virtual ~Program() = default;
@@ -34,7 +36,8 @@ class Program {
 
 /// Parses, runs, and turns exceptions into a message and an exit code.
 int runProgram(Program& program, int argc, const char* const* argv);
-int runProgram(Program& program, const std::vector<std::string>& arguments, std::ostream& out, std::ostream& err);
+int runProgram(Program& program, const std::vector<std::string>& arguments, std::ostream& out,
+               std::ostream& err);
 
 /// The options of every program that has a configuration.
 struct ConfigOptions {
@@ -45,11 +48,12 @@ struct ConfigOptions {
   void declare(CLI::App& app);
 };
 
-/// Throws base::Error when the folder of an output file does not exist: found out before the work, not after it.
-/// An empty path is no output.
+/// Throws base::Error when the folder of an output file does not exist: found out before the work, not after
+/// it. An empty path is no output.
 void requireFolderOf(const std::string& path);
 
-/// Makes a folder for output, with its parents; an empty path makes none. Throws base::Error when it cannot be made.
+/// Makes a folder for output, with its parents; an empty path makes none. Throws base::Error when it cannot
+/// be made.
 void makeFolder(const std::string& path);
 
 /// --json FILE; does nothing with an empty path.

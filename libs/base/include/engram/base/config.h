@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/base/params.h"
+
 #include <map>
 #include <string>
 #include <vector>
-
-#include "engram/base/params.h"
 
 namespace engram::base {
 
@@ -43,8 +43,8 @@ class Config {
     params.describe(addSection(section));
   }
 
-  /// Sets the bound structs. Refuses unknown sections and keys (naming the nearest known one), text that is not
-  /// wholly a number, and values out of range, with file, line, section and key.
+  /// Sets the bound structs. Refuses unknown sections and keys (naming the nearest known one), text that is
+  /// not wholly a number, and values out of range, with file, line, section and key.
   void read(const IniFile& ini);
 
   /// Every key in force with its meaning, readable by read().

@@ -7,7 +7,8 @@
 
 namespace engram::base {
 
-/// Bad input: a file, a key, a value. The message names it and says what to do. Programs print it and exit with 1.
+/// Bad input: a file, a key, a value. The message names it and says what to do. Programs print it and exit
+/// with 1.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

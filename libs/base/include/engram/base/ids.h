@@ -30,5 +30,7 @@ using WordId = StrongId<struct WordTag>;
 
 template <class Tag>
 struct std::hash<engram::base::StrongId<Tag>> {
-  std::size_t operator()(engram::base::StrongId<Tag> id) const noexcept { return std::hash<std::uint32_t>{}(id.value); }
+  std::size_t operator()(engram::base::StrongId<Tag> id) const noexcept {
+    return std::hash<std::uint32_t>{}(id.value);
+  }
 };

@@ -4,8 +4,8 @@
 
 namespace engram::base {
 
-/// Makes Ctrl-C and SIGTERM set a flag instead of ending the process, so that a program can finish the image at
-/// hand, commit and report. A second signal ends it at once.
+/// Makes Ctrl-C and SIGTERM set a flag instead of ending the process, so that a program can finish the image
+/// at hand, commit and report. A second signal ends it at once.
 void installInterruptHandler();
 
 /// True once a signal came.

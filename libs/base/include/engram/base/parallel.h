@@ -10,8 +10,8 @@
 
 namespace engram::base {
 
-/// Calls body(i) for i in 0 .. n-1 on `threads` threads. The result must not depend on the order of the calls:
-/// every i writes its own output. The first exception is rethrown here.
+/// Calls body(i) for i in 0 .. n-1 on `threads` threads. The result must not depend on the order of the
+/// calls: every i writes its own output. The first exception is rethrown here.
 template <class Body>
 void parallelFor(std::size_t n, int threads, Body&& body) {
   if (threads <= 1 || n <= 1) {

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/base/error.h"
+
 #include <functional>
 #include <limits>
 #include <string>
 #include <vector>
-
-#include "engram/base/error.h"
 
 namespace engram::base {
 
@@ -22,7 +22,8 @@ inline Range atLeast(double low) { return {low, std::numeric_limits<double>::inf
 ///
 ///     struct FshParams {
 ///       double ltm_threshold = 0.7;
-///       void describe(base::Params& p) { p.add("ltm_threshold", ltm_threshold, "FSH value from which …", {0, 1}); }
+///       void describe(base::Params& p) { p.add("ltm_threshold", ltm_threshold, "FSH value from which …", {0,
+///       1}); }
 ///     };
 ///
 /// and that one list reads it from a file, checks its bounds and prints it.
@@ -30,7 +31,7 @@ class Params {
  public:
   struct Field {
     std::string key;
-    std::string help;  ///< meaning and unit, one line
+    std::string help;                               ///< meaning and unit, one line
     std::function<void(const std::string&)> parse;  ///< throws ConfigError with the reason only
     std::function<std::string()> print;
     std::function<void()> check;  ///< throws ConfigError with the reason only

@@ -8,8 +8,8 @@
 
 namespace engram::base {
 
-/// One line on a terminal, rewritten in place: what, share done, rate and time left. On a file or pipe it prints a
-/// line every ten seconds. Silent when `out` is null.
+/// One line on a terminal, rewritten in place: what, share done, rate and time left. On a file or pipe it
+/// prints a line every ten seconds. Silent when `out` is null.
 class Progress {
  public:
   Progress(std::ostream* out, std::string what);

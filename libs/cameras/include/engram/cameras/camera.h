@@ -3,8 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
 #include <opencv2/core/types.hpp>
+
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -23,7 +24,8 @@ class Camera {
   virtual std::string model() const = 0;
   virtual cv::Size imageSize() const = 0;
 
-  /// Image of a 3D point [m] in the camera frame; none where the model does not see it. It may lie outside the image.
+  /// Image of a 3D point [m] in the camera frame; none where the model does not see it. It may lie outside
+  /// the image.
   /// @param J_pixel_point derivative of the pixel by the point, when wanted.
   virtual std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_cam,
                                                  Matrix23d* J_pixel_point = nullptr) const = 0;

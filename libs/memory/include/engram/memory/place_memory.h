@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/types/features.h"
+#include "engram/types/frame_report.h"
+#include "engram/types/match.h"
+
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
-
-#include "engram/types/features.h"
-#include "engram/types/frame_report.h"
-#include "engram/types/match.h"
 
 namespace engram::memory {
 
@@ -17,21 +17,22 @@ enum class Stage : std::uint8_t { kShortTerm = 0, kLongTerm = 1 };
 
 /// The state of one remembered feature.
 struct FeatureState {
-  std::uint32_t id = 0;      ///< unique within its place and never reused: edges refer to it
-  float value = 0;           ///< accumulated votes, the FSH before normalisation (F-02)
-  std::uint16_t age = 0;     ///< updates of the place since this feature was added (F-E5)
-  std::uint16_t counter = 0; ///< state of a finite state machine (D-04, D-05); unused by the FSH
+  std::uint32_t id = 0;       ///< unique within its place and never reused: edges refer to it
+  float value = 0;            ///< accumulated votes, the FSH before normalisation (F-02)
+  std::uint16_t age = 0;      ///< updates of the place since this feature was added (F-E5)
+  std::uint16_t counter = 0;  ///< state of a finite state machine (D-04, D-05); unused by the FSH
   Stage stage = Stage::kShortTerm;
-  std::vector<std::uint8_t> history;  ///< normalised FSH * 255 after each update, newest last: rfsh(i, p) of F-04
+  std::vector<std::uint8_t>
+      history;  ///< normalised FSH * 255 after each update, newest last: rfsh(i, p) of F-04
   bool operator==(const FeatureState&) const = default;
 };
 
 /// Everything a place remembers: the reference view, short-term and long-term features together (F-01).
 /// Plain data: the models change it, the store writes it.
 struct PlaceMemory {
-  types::Features features;          ///< parallel to `states`; descriptors quantised
+  types::Features features;  ///< parallel to `states`; descriptors quantised
   std::vector<FeatureState> states;
-  std::uint32_t updates = 0;         ///< views this memory has learnt from; 1 after the first
+  std::uint32_t updates = 0;  ///< views this memory has learnt from; 1 after the first
   std::uint32_t nextFeatureId = 0;
 
   /// Indices of the long-term features, ascending: the only ones that localisation sees (F-02).

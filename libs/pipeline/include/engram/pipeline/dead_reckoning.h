@@ -9,14 +9,14 @@
 
 namespace engram::pipeline {
 
-/// Move: relative motion by odometry, with covariance. It integrates from an anchor, the place where the robot was
-/// last certain to be.
+/// Move: relative motion by odometry, with covariance. It integrates from an anchor, the place where the
+/// robot was last certain to be.
 class DeadReckoning {
  public:
   explicit DeadReckoning(const OdometryParams& params) : params_(params) {}
 
-  /// Takes the odometry of a new image, if it has any. The wheels count on while odometry is missing: the step over
-  /// such a gap is what they counted.
+  /// Takes the odometry of a new image, if it has any. The wheels count on while odometry is missing: the
+  /// step over such a gap is what they counted.
   void move(const std::optional<Eigen::Isometry3d>& T_odom_robot);
 
   /// The robot is now at T_anchor_robot from the anchor, with this covariance.

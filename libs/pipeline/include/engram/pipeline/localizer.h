@@ -16,8 +16,8 @@
 
 namespace engram::pipeline {
 
-/// Says at every image where the robot is in a finished map (F-20, A-14). The map is frozen; or, when asked to adapt,
-/// its places remember what they are verified to look like, and nothing else changes.
+/// Says at every image where the robot is in a finished map (F-20, A-14). The map is frozen; or, when asked
+/// to adapt, its places remember what they are verified to look like, and nothing else changes.
 class Localizer {
  public:
   /// Throws base::Error for an empty map or a calibration that cannot be read.

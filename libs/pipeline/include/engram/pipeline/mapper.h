@@ -64,7 +64,8 @@ class Mapper {
   void addPlace(Work& work);
   types::RelPose motionFrom(const Work& work, base::PlaceId from) const;
   void addView(const Work& work, base::PlaceId place, int thumbnailWidth);
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> correspondences(const PlaceMatch& match, base::PlaceId a,
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> correspondences(const PlaceMatch& match,
+                                                                       base::PlaceId a,
                                                                        base::PlaceId b) const;
   void joinPlace(Work& work, const Candidate& candidate);
   void relaxAll();
@@ -78,12 +79,12 @@ class Mapper {
   map::TopologicalMap map_;
 
   int session_ = 0;
-  base::PlaceId anchor_;              // where the robot was last certain to be; invalid at wake-up
-  std::set<base::PlaceId> recent_;    // places near the newest one, while the robot goes on from it
-  bool frontier_ = true;              // the robot has just made places and is not known to be back in older ones
-  double travelled_ = 0.0;            // [m] in this drive
+  base::PlaceId anchor_;            // where the robot was last certain to be; invalid at wake-up
+  std::set<base::PlaceId> recent_;  // places near the newest one, while the robot goes on from it
+  bool frontier_ = true;    // the robot has just made places and is not known to be back in older ones
+  double travelled_ = 0.0;  // [m] in this drive
   std::map<base::PlaceId, double> lastVisit_;  // travelled_ when the robot was last there, in this drive
-  int misses_ = 0;                    // unrecognised images in a row in known territory
+  int misses_ = 0;                             // unrecognised images in a row in known territory
   bool closedSinceRelax_ = false;
   types::Features lastKeyframe_;
 };

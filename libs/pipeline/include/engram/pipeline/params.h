@@ -17,44 +17,48 @@ namespace engram::pipeline {
 
 /// Section `[select]`: which images are looked at.
 struct SelectParams {
-  double min_distance = 0.4;         ///< [m] since the last keyframe, with odometry
-  double min_rotation = 0.5235987756;  ///< [rad] since the last keyframe, with odometry; either one is enough (A-E12)
-  double standing_similarity = 0.95; ///< without odometry: an image this similar to the last keyframe is dropped (F-07)
+  double min_distance = 0.4;  ///< [m] since the last keyframe, with odometry
+  double min_rotation =
+      0.5235987756;  ///< [rad] since the last keyframe, with odometry; either one is enough (A-E12)
+  double standing_similarity =
+      0.95;  ///< without odometry: an image this similar to the last keyframe is dropped (F-07)
 
   void describe(base::Params& p);
 };
 
 /// Section `[place]`: when an image is a new place.
 struct PlaceParams {
-  double spacing = 0.8;            ///< [m] from all places at which an image makes a new one, with odometry
-  double same_similarity = 0.9;    ///< without odometry: an image this similar to a place just made is that place (F-07)
-  int recent_hops = 6;             ///< places this near in the graph to the newest one are no loop closure
-  int patience = 5;                ///< unrecognised images in a row in known territory before new places are made
-  int keep_thumbnails = 128;       ///< width of the stored thumbnail of a place [px]; 0 stores none
+  double spacing = 0.8;  ///< [m] from all places at which an image makes a new one, with odometry
+  double same_similarity =
+      0.9;              ///< without odometry: an image this similar to a place just made is that place (F-07)
+  int recent_hops = 6;  ///< places this near in the graph to the newest one are no loop closure
+  int patience = 5;     ///< unrecognised images in a row in known territory before new places are made
+  int keep_thumbnails = 128;  ///< width of the stored thumbnail of a place [px]; 0 stores none
 
   void describe(base::Params& p);
 };
 
 /// Section `[recognise]`.
 struct RecogniseParams {
-  int candidates = 5;                ///< hypotheses that go to geometric verification, best first
-  int accept_inliers = 20;           ///< verified matches that acceptance needs
-  int closure_inliers = 30;          ///< the same for a loop closure: K-15 saw no false one from 30 on
-  double closure_similarity = 0.35;  ///< new_place_similarity while mapping: what unlike places of a building share
-  double accept_similarity = 0.2;    ///< F eq (8) with verified matches that acceptance needs
-  int learn_after = 3;               ///< accepted images in a row that agree with odometry before a place learns (F-E16)
-  int threads = 1;                   ///< the result does not depend on it
+  int candidates = 5;        ///< hypotheses that go to geometric verification, best first
+  int accept_inliers = 20;   ///< verified matches that acceptance needs
+  int closure_inliers = 30;  ///< the same for a loop closure: K-15 saw no false one from 30 on
+  double closure_similarity =
+      0.35;  ///< new_place_similarity while mapping: what unlike places of a building share
+  double accept_similarity = 0.2;  ///< F eq (8) with verified matches that acceptance needs
+  int learn_after = 3;  ///< accepted images in a row that agree with odometry before a place learns (F-E16)
+  int threads = 1;      ///< the result does not depend on it
 
   void describe(base::Params& p);
 };
 
 /// Section `[odometry]`: the noise of wheel odometry (A-08 with A-E7, A-E8).
 struct OdometryParams {
-  double sigma_per_metre = 0.03;         ///< [m/m], along and across
-  double sigma_heading_per_metre = 0.01; ///< [rad/m]
-  double sigma_heading_per_radian = 0.03;///< [rad/rad]
-  double sigma_floor = 0.01;             ///< [m] and [rad]: no edge is stiffer
-  double max_drift = 0.1;                ///< [m/m] of the way since a place was visited: a closure over more is refused
+  double sigma_per_metre = 0.03;           ///< [m/m], along and across
+  double sigma_heading_per_metre = 0.01;   ///< [rad/m]
+  double sigma_heading_per_radian = 0.03;  ///< [rad/rad]
+  double sigma_floor = 0.01;               ///< [m] and [rad]: no edge is stiffer
+  double max_drift = 0.1;  ///< [m/m] of the way since a place was visited: a closure over more is refused
 
   void describe(base::Params& p);
 };

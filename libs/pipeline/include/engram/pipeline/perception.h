@@ -23,9 +23,9 @@ namespace engram::pipeline {
 
 /// Section `[camera]`.
 struct CameraParams {
-  std::string file;          ///< calibration file; empty: an uncalibrated pinhole with `fov`
-  double fov = 1.0471975512; ///< horizontal field of view of an uncalibrated camera [rad]
-  int image_width = 0;       ///< images are scaled to this width before extraction [px]; 0 keeps them
+  std::string file;           ///< calibration file; empty: an uncalibrated pinhole with `fov`
+  double fov = 1.0471975512;  ///< horizontal field of view of an uncalibrated camera [rad]
+  int image_width = 0;        ///< images are scaled to this width before extraction [px]; 0 keeps them
 
   void describe(base::Params& p);
 };
@@ -37,9 +37,9 @@ class Perception {
   /// Throws base::Error when the calibration cannot be read.
   Perception(CameraParams camera, const features::ExtractorParams& extractor);
 
-  /// Features of a frame. None, with outcome and reason in the report, for an image of another size or with fewer than
-  /// `minFeatures` features. The first image fixes the size of an uncalibrated camera. Throws base::Error when the first
-  /// image contradicts the calibration.
+  /// Features of a frame. None, with outcome and reason in the report, for an image of another size or with
+  /// fewer than `minFeatures` features. The first image fixes the size of an uncalibrated camera. Throws
+  /// base::Error when the first image contradicts the calibration.
   std::optional<types::Features> look(const types::Frame& frame, int minFeatures, types::FrameReport& report);
 
   /// Why this image cannot be used, in words; empty when it can. Throws as look().

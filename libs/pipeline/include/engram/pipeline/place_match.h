@@ -26,8 +26,8 @@ struct PlaceMatch {
   bool verified() const { return reason == geometry::Reason::kOk; }
 };
 
-/// match() of F-06: nearest neighbours, then epipolar geometry. Short-term features take part, so that they can be
-/// rehearsed (F-E3); the similarity counts long-term ones alone (F-02).
+/// match() of F-06: nearest neighbours, then epipolar geometry. Short-term features take part, so that they
+/// can be rehearsed (F-E3); the similarity counts long-term ones alone (F-02).
 PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& place,
                         const features::MatchParams& match, const geometry::VerifyParams& verify);
 
@@ -37,7 +37,8 @@ bool strongEnough(const PlaceMatch& match, const RecogniseParams& params);
 /// F eq (8) as F-E11 simplifies it: sqrt(matches / features of the reference); 0 for an empty reference.
 double similarity(int matches, int referenceFeatures);
 
-/// The view as the place would see it: bearings turned into the frame of the place, which is what memory keeps.
+/// The view as the place would see it: bearings turned into the frame of the place, which is what memory
+/// keeps.
 types::Features inPlaceFrame(types::Features view, const Eigen::Matrix3d& R_place_view);
 
 }  // namespace engram::pipeline

@@ -41,13 +41,15 @@ class Recogniser {
   double newPlaceProbability() const { return filter_.posterior().newPlace; }
   /// Posterior mass of a place and the places within `accept_hops` edges.
   double neighbourhoodMass(base::PlaceId place) const;
-  /// Maximum of the posterior with sub-place resolution along the chain of places (F-E14); -1 on an empty map.
+  /// Maximum of the posterior with sub-place resolution along the chain of places (F-E14); -1 on an empty
+  /// map.
   double interpolatedPeak() const;
 
  private:
   int indexOf(base::PlaceId id) const;
   std::vector<double> similarities(const types::Features& view) const;
-  belief::Likelihood likelihoodWithout(const std::set<base::PlaceId>& excluded, std::vector<double> scores) const;
+  belief::Likelihood likelihoodWithout(const std::set<base::PlaceId>& excluded,
+                                       std::vector<double> scores) const;
 
   RecogniseParams params_;
   features::MatchParams match_;

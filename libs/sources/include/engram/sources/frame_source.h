@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/types/frame.h"
+
 #include <optional>
 #include <string>
-
-#include "engram/types/frame.h"
 
 namespace engram::sources {
 

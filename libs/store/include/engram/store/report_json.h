@@ -16,7 +16,8 @@ namespace engram::store {
 ///     memory {rehearsed, added, pruned, promoted, demoted, long_term, short_term},
 ///     times {step: ms, …}, ms
 ///
-/// Probabilities, similarities and times have six decimals. Numbers that are not finite become null. Bytes that are not UTF-8 become U+FFFD.
+/// Probabilities, similarities and times have six decimals. Numbers that are not finite become null. Bytes
+/// that are not UTF-8 become U+FFFD.
 /// @param withTimes false leaves out `times` and `ms`, the only values that differ between equal runs.
 std::string toJson(const types::FrameReport& report, bool withTimes = true);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,18 +13,20 @@ namespace engram::types {
 
 /// An interest point. The centre of the top left pixel is (0, 0).
 struct Keypoint {
-  float x = 0, y = 0;     ///< [px]
-  float size = 0;         ///< diameter of the described region [px]
-  float angle = 0;        ///< orientation in the image, x to y [rad]; 0 for upright features
-  float response = 0;     ///< detector strength; for SURF the normalised determinant of the Hessian
-  std::int8_t sign = 0;   ///< sign of the Laplacian (+1, -1), 0 where the detector has none
+  float x = 0, y = 0;    ///< [px]
+  float size = 0;        ///< diameter of the described region [px]
+  float angle = 0;       ///< orientation in the image, x to y [rad]; 0 for upright features
+  float response = 0;    ///< detector strength; for SURF the normalised determinant of the Hessian
+  std::int8_t sign = 0;  ///< sign of the Laplacian (+1, -1), 0 where the detector has none
 };
 
 /// How a descriptor is stored and compared.
 enum class DescriptorKind : std::uint8_t {
-  kFloat,   ///< `dim` floats of unit L2 norm; distance L2
-  kInt8,    ///< `dim` bytes: a float component c is stored as round(c * kInt8Scale), saturated; distance L2 of c
-  kBinary,  ///< `dim` bits, 8 to a byte, padded with zero bits to a multiple of 8 bytes; distance Hamming / dim
+  kFloat,  ///< `dim` floats of unit L2 norm; distance L2
+  kInt8,   ///< `dim` bytes: a float component c is stored as round(c * kInt8Scale), saturated; distance L2 of
+           ///< c
+  kBinary,  ///< `dim` bits, 8 to a byte, padded with zero bits to a multiple of 8 bytes; distance Hamming /
+            ///< dim
 };
 
 /// Components of 0.5 and more saturate; almost none of a unit 64-D or 128-D descriptor are so large.
@@ -43,8 +46,8 @@ class Descriptors {
   bool sameLayout(const Descriptors& o) const { return kind_ == o.kind_ && dim_ == o.dim_; }
 
   std::span<const std::byte> row(std::size_t i) const { return {bytes_.data() + i * rowBytes(), rowBytes()}; }
-  const float* floats(std::size_t i) const;       ///< row i of kFloat
-  const std::int8_t* int8(std::size_t i) const;   ///< row i of kInt8
+  const float* floats(std::size_t i) const;         ///< row i of kFloat
+  const std::int8_t* int8(std::size_t i) const;     ///< row i of kInt8
   const std::uint64_t* words(std::size_t i) const;  ///< row i of kBinary, rowBytes()/8 words
 
   void reserve(std::size_t n) { bytes_.reserve(n * rowBytes()); }
@@ -68,7 +71,8 @@ Descriptors quantised(const Descriptors& descriptors);
 struct Features {
   std::vector<Keypoint> keypoints;
   Descriptors descriptors;
-  std::vector<Eigen::Vector3f> bearings;  ///< unit rays in the camera frame; empty when no camera model is known
+  std::vector<Eigen::Vector3f>
+      bearings;  ///< unit rays in the camera frame; empty when no camera model is known
 
   std::size_t size() const { return keypoints.size(); }
   bool empty() const { return keypoints.empty(); }

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/base/ids.h"
+
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "engram/base/ids.h"
 
 namespace engram::types {
 
@@ -41,14 +41,15 @@ struct FrameReport {
   double stamp = 0.0;       ///< [s]
   std::string label;
   Outcome outcome = Outcome::kSkipped;
-  std::string reason;       ///< why not, in words; empty when all went well
+  std::string reason;  ///< why not, in words; empty when all went well
   int features = 0;
   base::PlaceId place;      ///< the place accepted or made; invalid otherwise
   base::PlaceId bestGuess;  ///< maximum of the posterior, accepted or not; invalid on an empty map
-  double bestGuessInterpolated = -1.0;  ///< sub-place peak along the map's chain of places (F-E14); -1 without one
+  double bestGuessInterpolated =
+      -1.0;  ///< sub-place peak along the map's chain of places (F-E14); -1 without one
   double newPlaceProbability = 0.0;
-  std::vector<Hypothesis> hypotheses;   ///< best first
-  bool closure = false;                 ///< a loop edge was added
+  std::vector<Hypothesis> hypotheses;  ///< best first
+  bool closure = false;                ///< a loop edge was added
   MemoryChange memory;
   struct StepTime {
     std::string step;

@@ -8,7 +8,8 @@ namespace engram::types {
 struct Match {
   int a = -1;
   int b = -1;
-  float distance = 0;  ///< descriptor distance: L2 of unit vectors in [0, 2], or share of differing bits in [0, 1]
+  float distance =
+      0;  ///< descriptor distance: L2 of unit vectors in [0, 2], or share of differing bits in [0, 1]
   bool operator==(const Match&) const = default;
 };
 

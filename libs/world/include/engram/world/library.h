@@ -12,7 +12,8 @@ namespace engram::world {
 
 /// The textures of a building. Painted from its seed; shared by all sessions.
 struct Library {
-  /// @param photographs folder with images that hang as posters instead of the painted ones (at most 200, in order of
+  /// @param photographs folder with images that hang as posters instead of the painted ones (at most 200, in
+  /// order of
   ///        their names); empty: painted ones. Throws base::Error when it holds no readable image.
   Library(const Building& building, const std::string& photographs);
 
