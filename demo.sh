@@ -10,7 +10,7 @@ source scripts/setup.sh
 out=${1:-demo-out}
 
 engram_install_packages
-engram_build release
+engram_build release engram-world engram-slam engram-localize engram-map engram-rawlog
 bin=build/release/bin
 
 rm -rf "$out"
@@ -43,5 +43,5 @@ Done. To look at:
   $out/report/trajectory.tum          the robot's path
   $out/report/images.jsonl            what was decided for every image, and why
   $out/localisation.csv               where each test image was recognised
-  $out/world/plan.svg                 the building
+  $out/world/plan.png                 the building
 TXT
