@@ -164,6 +164,24 @@ TEST(Mapper, LostRobotInNewTerritoryStartsAWeaklyJoinedPartAfterItsPatience) {
   EXPECT_EQ(mapper.map().components().size(), 1u);
 }
 
+TEST(Mapper, WeakLinkEndsWhenNormalEdgesJoinItsSides) {
+  Mapper first(tinyParams());
+  const auto& frames = firstDrive().frames;
+  drive(first, {frames.begin(), frames.begin() + 9});
+  Mapper mapper(tinyParams(), first.map());
+  drive(mapper, {frames.begin() + 18, frames.begin() + 28});
+  const auto weak = [&] {
+    const auto isWeak = [](const auto& e) { return e.second.type == map::EdgeType::kWeak; };
+    return std::count_if(mapper.map().edges().begin(), mapper.map().edges().end(), isWeak);
+  };
+  ASSERT_EQ(weak(), 1);
+  drive(mapper, {frames.begin() + 28, frames.end()});
+  const auto back = drive(mapper, {frames.begin(), frames.begin() + 9});
+  EXPECT_TRUE(std::any_of(back.begin(), back.end(), [](const auto& r) { return r.closure; }));
+  EXPECT_EQ(weak(), 0);
+  EXPECT_EQ(mapper.map().components().size(), 1u);
+}
+
 TEST(Mapper, BlackImagesChangeNothing) {
   Mapper mapper(tinyParams());
   for (std::size_t i = 0; i < 12; ++i) {

@@ -326,6 +326,7 @@ void Mapper::joinPlace(Work& work, const Candidate& candidate) {
     edge.b = id;
     edge.T_a_b = compose(motionFrom(work, anchor_), inverse(atPlace));
     map_.addEdge(std::move(edge));
+    dropJoinedWeakEdges();
     recogniser_.edgesChanged(map_);
     work.report.closure = closedSinceRelax_ = true;
   }
@@ -333,6 +334,16 @@ void Mapper::joinPlace(Work& work, const Candidate& candidate) {
   frontier_ = false;
   recent_.clear();
   reckoning_.reset(atPlace.T_a_b, atPlace.cov);
+}
+
+/// A weak link has served once normal edges join its two sides (K-11, K-E11).
+void Mapper::dropJoinedWeakEdges() {
+  std::vector<base::EdgeId> joined;
+  const auto everywhere = static_cast<int>(map_.places().size());
+  for (const auto& [id, edge] : map_.edges())
+    if (edge.type == map::EdgeType::kWeak && map_.hopDistances(edge.a, everywhere).count(edge.b) > 0)
+      joined.push_back(id);
+  for (const auto id : joined) map_.removeEdge(id);
 }
 
 void Mapper::relax(Work& work) {

@@ -68,6 +68,7 @@ class Mapper {
                                                                        base::PlaceId a,
                                                                        base::PlaceId b) const;
   void joinPlace(Work& work, const Candidate& candidate);
+  void dropJoinedWeakEdges();
   void relaxAll();
 
   PipelineParams params_;
