@@ -33,6 +33,10 @@ int runProgram(Program& program, const std::vector<std::string>& arguments, std:
   }
   try {
     return program.run(out, err);
+  } catch (const base::Interrupted& e) {
+    err << program.name() << ": " << e.what()
+        << "; what was done is kept, and the same command goes on from there\n";
+    return kPartial;
   } catch (const std::exception& e) {
     err << program.name() << ": " << e.what() << "\n";
     return kError;

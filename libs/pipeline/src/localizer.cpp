@@ -33,7 +33,21 @@ Localizer::Localizer(const PipelineParams& params, map::TopologicalMap map, bool
 types::FrameReport Localizer::process(const types::Frame& frame) {
   Work work(frame);
   move(work);
-  if (!perceive(work)) return work.report;
+  return perceive(work) ? locate(work) : work.report;
+}
+
+types::FrameReport Localizer::process(const types::Frame& frame, types::Features features) {
+  Work work(frame);
+  work.report.index = frame.index;
+  work.report.stamp = frame.stamp;
+  work.report.label = frame.label;
+  work.report.features = static_cast<int>(features.size());
+  work.features = std::move(features);
+  move(work);
+  return locate(work);
+}
+
+types::FrameReport Localizer::locate(Work& work) {
   recognise(work);
   verify(work);
   if (work.accepted) follow(work);

@@ -32,7 +32,7 @@ Recogniser::Recogniser(const PipelineParams& params, Mode mode)
 void Recogniser::load(const map::TopologicalMap& map) {
   for (const auto& [id, place] : map.places()) placeChanged(place);
   edgesChanged(map);
-  filter_.reset(ids_.size());
+  restart();
 }
 
 int Recogniser::indexOf(base::PlaceId id) const {
@@ -81,8 +81,13 @@ std::vector<double> Recogniser::similarities(const types::Features& view) const 
 std::vector<types::Hypothesis> Recogniser::recognise(const types::Features& view,
                                                      std::optional<double> travelled,
                                                      const std::set<base::PlaceId>& excluded) {
+  return ids_.empty() ? std::vector<types::Hypothesis>() : weigh(similarities(view), travelled, excluded);
+}
+
+std::vector<types::Hypothesis> Recogniser::weigh(const std::vector<double>& scores,
+                                                 std::optional<double> travelled,
+                                                 const std::set<base::PlaceId>& excluded) {
   if (ids_.empty()) return {};
-  const std::vector<double> scores = similarities(view);
   belief::MotionHint hint;
   if (travelled) hint.hops = *travelled / spacing_;
   filter_.predict(adjacency_, hint);

@@ -25,7 +25,8 @@ enum class RowKind : std::uint8_t {
   kMemory = 'M',
   kView = 'V',
   kEdge = 'E',
-  kPath = 'T'
+  kPath = 'T',
+  kFeatures = 'F'
 };
 
 /// CRC-32 of zlib.

@@ -179,6 +179,22 @@ memory::PlaceMemory decodeMemory(std::span<const std::uint8_t> row, std::uint64_
   return m;
 }
 
+Blob encodeFeatures(const types::Features& features, std::uint64_t row) {
+  BlobWriter out(RowKind::kFeatures, kVersion);
+  out.varint(features.size());
+  putFeatures(out, features);
+  out.compress();
+  return std::move(out).seal(row);
+}
+
+types::Features decodeFeatures(std::span<const std::uint8_t> row, std::uint64_t id) {
+  BlobReader in(row, RowKind::kFeatures, kVersion, id);
+  in.decompress();
+  types::Features features = getFeatures(in, in.count(21));  // a keypoint takes so many bytes
+  in.requireEnd();
+  return features;
+}
+
 Blob encode(const map::View& view) {
   BlobWriter out(RowKind::kView, kVersion);
   out.put(view.place.value);

@@ -19,6 +19,7 @@ struct MapState {
 Blob encode(const MapState& state);
 Blob encode(const map::Place& place);  ///< without the memory, which has its own row
 Blob encodeMemory(map::PlaceId id, const memory::PlaceMemory& memory);
+Blob encodeFeatures(const types::Features& features, std::uint64_t row);
 Blob encode(const map::View& view);
 Blob encode(const map::Edge& edge);
 Blob encode(const map::PathPoint& point, std::uint64_t row);
@@ -27,6 +28,7 @@ Blob encode(const map::PathPoint& point, std::uint64_t row);
 MapState decodeState(std::span<const std::uint8_t> row);
 map::Place decodePlace(std::span<const std::uint8_t> row, std::uint64_t id);
 memory::PlaceMemory decodeMemory(std::span<const std::uint8_t> row, std::uint64_t id);
+types::Features decodeFeatures(std::span<const std::uint8_t> row, std::uint64_t id);
 map::View decodeView(std::span<const std::uint8_t> row, std::uint64_t id);
 map::Edge decodeEdge(std::span<const std::uint8_t> row, std::uint64_t id);
 map::PathPoint decodePathPoint(std::span<const std::uint8_t> row, std::uint64_t index);

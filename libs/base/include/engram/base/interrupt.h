@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <stdexcept>
+#include <string>
+
 namespace engram::base {
 
 /// Makes Ctrl-C and SIGTERM set a flag instead of ending the process, so that a program can finish the image
@@ -10,5 +13,12 @@ void installInterruptHandler();
 
 /// True once a signal came.
 bool interrupted();
+
+/// Thrown by long work that stops because interrupted() is true. Programs exit with 3: what was done is kept.
+class Interrupted : public std::runtime_error {
+ public:
+  /// @param doing what was stopped: "recording the drives"
+  explicit Interrupted(const std::string& doing) : std::runtime_error("interrupted while " + doing) {}
+};
 
 }  // namespace engram::base

@@ -25,6 +25,8 @@ class Localizer {
 
   /// Throws base::Error when the first image contradicts the calibration.
   types::FrameReport process(const types::Frame& frame);
+  /// The same for features that Perception extracted before: the images of the frame are not looked at.
+  types::FrameReport process(const types::Frame& frame, types::Features features);
 
   /// The robot is lost: every place is equally likely again, and how it got here says nothing.
   void restart();
@@ -38,6 +40,7 @@ class Localizer {
   struct Work;
 
   bool perceive(Work& work);
+  types::FrameReport locate(Work& work);
   void move(Work& work);
   void recognise(Work& work);
   void verify(Work& work);

@@ -38,6 +38,15 @@ class Recogniser {
   std::vector<types::Hypothesis> recognise(const types::Features& view, std::optional<double> travelled,
                                            const std::set<base::PlaceId>& excluded = {});
 
+  /// recognise() in its two halves. F eq (8) for each place in the order of its id, by descriptors alone.
+  std::vector<double> similarities(const types::Features& view) const;
+  /// @param scores one in [0, 1] for each place, in the order of its id; from similarities() or any other
+  /// rule
+  std::vector<types::Hypothesis> weigh(const std::vector<double>& scores, std::optional<double> travelled,
+                                       const std::set<base::PlaceId>& excluded = {});
+  /// The belief becomes uniform again.
+  void restart() { filter_.reset(ids_.size()); }
+
   double newPlaceProbability() const { return filter_.posterior().newPlace; }
   /// Posterior mass of a place and the places within `accept_hops` edges.
   double neighbourhoodMass(base::PlaceId place) const;
@@ -47,7 +56,6 @@ class Recogniser {
 
  private:
   int indexOf(base::PlaceId id) const;
-  std::vector<double> similarities(const types::Features& view) const;
   belief::Likelihood likelihoodWithout(const std::set<base::PlaceId>& excluded,
                                        std::vector<double> scores) const;
 
