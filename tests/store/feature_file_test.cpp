@@ -14,8 +14,8 @@ class FeatureFileTest : public StoreTest {
  protected:
   void SetUp() override {
     StoreTest::SetUp();
-    for (const auto& [id, place] : engram::testing::ringMap(4, 12).places())
-      images_.push_back(place.memory.features);
+    const map::TopologicalMap map = engram::testing::ringMap(4, 12);
+    for (const auto& [id, place] : map.places()) images_.push_back(place.memory.features);
     images_.insert(images_.begin() + 1, types::Features());  // an image without features
     name_ = path("a.features");
     writeFeatureFile(name_, images_);
