@@ -24,8 +24,14 @@ void CameraParams::describe(base::Params& p) {
 Perception::Perception(CameraParams camera, const features::ExtractorParams& extractor)
     : params_(std::move(camera)),
       extractor_(features::makeExtractor(extractor)),
-      upright_(extractor.upright) {
+      upright_(extractor.upright),
+      calibrated_(!params_.file.empty()) {
   if (!params_.file.empty()) setRig(cameras::loadCamera(params_.file));
+}
+
+Perception::Perception(cameras::CameraRig rig, const features::ExtractorParams& extractor)
+    : extractor_(features::makeExtractor(extractor)), upright_(extractor.upright), calibrated_(true) {
+  setRig(std::move(rig));
 }
 
 void Perception::setRig(cameras::CameraRig rig) {
@@ -82,7 +88,7 @@ types::Features Perception::operator()(const cv::Mat& image) const {
 }
 
 std::string Perception::cameraText() const {
-  if (!params_.file.empty()) return cameras::toText(*rig_);
+  if (calibrated_) return cameras::toText(*rig_);
   return "uncalibrated pinhole, fov_deg = " + std::to_string(params_.fov * (180.0 / 3.14159265358979323846)) +
          ", image_width = " + std::to_string(params_.image_width);
 }

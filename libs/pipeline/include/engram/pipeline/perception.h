@@ -36,6 +36,8 @@ class Perception {
  public:
   /// Throws base::Error when the calibration cannot be read.
   Perception(CameraParams camera, const features::ExtractorParams& extractor);
+  /// With a calibration at hand instead of a file.
+  Perception(cameras::CameraRig rig, const features::ExtractorParams& extractor);
 
   /// Features of a frame. None, with outcome and reason in the report, for an image of another size or with
   /// fewer than `minFeatures` features. The first image fixes the size of an uncalibrated camera. Throws
@@ -57,6 +59,7 @@ class Perception {
   CameraParams params_;
   std::unique_ptr<features::Extractor> extractor_;
   bool upright_;
+  bool calibrated_;  // not by the approximation for an unknown camera
   std::optional<cameras::CameraRig> rig_;
   std::unique_ptr<cameras::LiftingTable> lifting_;
   Eigen::Matrix3f R_robot_cam_ = Eigen::Matrix3f::Identity();

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "eval_program.h"
+
+namespace engram::apps {
+
+std::string EvalProgram::description() const {
+  return "Repeats the papers' experiments and writes figures, tables and a report. An experiment that was "
+         "interrupted goes on when the same command is given again.";
+}
+
+std::string EvalProgram::examples() const {
+  return "  engram-eval memory --out lab --json lab.json\n"
+         "  engram-eval memory --out lab_quick --quick\n"
+         "  engram-eval memory --out lab_7 --seed 7 --set fsh.prune_view=3\n";
+}
+
+void EvalProgram::declare(CLI::App& app) {
+  app.require_subcommand(1);
+  memoryApp_ =
+      app.add_subcommand("memory",
+                         "How places remember: FSH, short- and long-term stores, bag of words, static, "
+                         "replace, over months of change");
+  memory_.declare(*memoryApp_);
+}
+
+int EvalProgram::run(std::ostream& out, std::ostream& err) { return memory_.run(out, err); }
+
+}  // namespace engram::apps

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/apps/program.h"
+#include "memory_command.h"
+
+namespace engram::apps {
+
+/// engram-eval: the papers' experiments, on the simulator and on real images.
+class EvalProgram : public Program {
+ public:
+  std::string name() const override { return "engram-eval"; }
+  std::string description() const override;
+  std::string examples() const override;
+  void declare(CLI::App& app) override;
+  int run(std::ostream& out, std::ostream& err) override;
+
+ private:
+  MemoryCommand memory_;
+  CLI::App* memoryApp_ = nullptr;
+};
+
+}  // namespace engram::apps

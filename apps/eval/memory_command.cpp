@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "memory_command.h"
+
+#include "engram/apps/program.h"
+#include "engram/base/atomic_file.h"
+#include "engram/base/config.h"
+#include "engram/base/error.h"
+#include "lab_figures.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <filesystem>
+#include <ostream>
+
+namespace engram::apps {
+namespace fs = std::filesystem;
+namespace {
+
+Method memoryMethod(const std::string& name, pipeline::PipelineParams params, const std::string& model) {
+  params.memory.memory = model;
+  return {name, std::move(params), 0};
+}
+
+/// The small version: the same steps on a small building.
+void shrink(MemoryLabParams& lab) {
+  lab.preset = "tiny";
+  lab.places = 20;
+  lab.updates = 3;
+  lab.test_days = 1;
+  lab.sequences = 20;
+  lab.sequence_length = 5;
+  lab.bow_words = 200;
+}
+
+std::string percent(const evaluation::Interval& i) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%5.1f [%5.1f, %5.1f]", 100 * i.value, 100 * i.low, 100 * i.high);
+  return text;
+}
+
+void printTable(const std::vector<LabFigure>& figures, int update, std::ostream& out) {
+  char line[256];
+  std::snprintf(line, sizeof line, "After update %d, %% within %.2f places [95 %% interval]:\n", update,
+                kSuccessDistance);
+  out << line;
+  std::snprintf(line, sizeof line, "%-17s %-9s %-22s %-22s %s\n", "method", "condition", "global", "local",
+                "mean error [places]   kB a place");
+  out << line;
+  for (const auto& f : figures) {
+    if (f.update != update) continue;
+    std::snprintf(line, sizeof line, "%-17s %-9s %-22s %-22s %5.2f [%5.2f, %5.2f]  %7.1f\n", f.method.c_str(),
+                  f.condition.c_str(), percent(f.globalSuccess).c_str(), percent(f.localSuccess).c_str(),
+                  f.error.value, f.error.low, f.error.high, f.bytesPerPlace / 1000);
+    out << line;
+  }
+}
+
+}  // namespace
+
+std::vector<Method> comparedMethods(const pipeline::PipelineParams& pipeline, int bowWords) {
+  std::vector<Method> methods{memoryMethod("fsh", pipeline, "fsh"),
+                              {"bow_80", pipeline, 80},
+                              {"bow_" + std::to_string(bowWords), pipeline, bowWords},
+                              memoryMethod("static", pipeline, "static")};
+
+  return methods;
+}
+
+std::vector<Method> sweptMethods(const pipeline::PipelineParams& pipeline) {
+  std::vector<Method> methods;
+  for (int age = 1; age <= 7; ++age) {
+    methods.push_back(memoryMethod("prune_view_" + std::to_string(age), pipeline, "fsh"));
+    methods.back().params.fsh.prune_view = age;
+  }
+  for (int tenth = 1; tenth <= 9; ++tenth) {
+    methods.push_back(memoryMethod("ltm_threshold_0." + std::to_string(tenth), pipeline, "fsh"));
+    methods.back().params.fsh.ltm_threshold = tenth / 10.0;
+    // The default floor would decide in place of the threshold.
+    methods.back().params.fsh.ltm_min_features = 40;
+  }
+  return methods;
+}
+
+void MemoryCommand::declare(CLI::App& command) { options_.declare(command); }
+
+std::string MemoryCommand::readConfig() {
+  // The protocol of the papers for every method: the motion model is F eq (7), and the sensor model F eq (9)
+  // to (11) has no similarity below which an image says nothing. Such a bound would favour small memories, as
+  // the similarity of F eq (8) is a share of the memory.
+  pipeline_.belief.advance = "none";
+  pipeline_.belief.new_place_similarity = 0.0;
+  if (options_.quick) shrink(lab_);
+  base::IniFile ini = options_.config.empty() ? base::IniFile::parse("", "command line")
+                                              : base::IniFile::load(options_.config);
+  for (const auto& assignment : options_.overrides) ini.override(assignment);
+  base::Config config;
+  config.bind("memory_lab", lab_);
+  pipeline_.bind(config);
+  config.read(ini);
+  return config.dump();
+}
+
+int MemoryCommand::run(std::ostream& out, std::ostream& err) {
+  const std::string settings = readConfig();
+  if (options_.dump) {
+    out << settings;
+    return kOk;
+  }
+  claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) + "\n");
+  MemoryLab lab(lab_, pipeline_,
+                {options_.folder, options_.seed, options_.threadsInUse(), options_.quiet ? nullptr : &err});
+  lab.record();
+  const auto runs = lab.run(comparedMethods(pipeline_, lab_.bow_words), conditions(), "runs");
+  const auto figures = figuresOf(runs, lab.sequences(), lab_.sequence_length);
+
+  base::writeText((fs::path(options_.folder) / "results.csv").string(), toCsv(figures), true);
+  writeJson(options_.json, {{"seed", options_.seed}, {"results", toJson(figures)}});
+  if (!options_.quiet) printTable(figures, lab_.updates, out);
+  return kOk;
+}
+
+}  // namespace engram::apps
