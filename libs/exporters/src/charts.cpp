@@ -1,252 +1,327 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "charts.h"
+#include "engram/exporters/charts.h"
+
+#include "drawing.h"
+#include "engram/base/error.h"
+#include "markup.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <limits>
+#include <set>
 
 namespace engram::exporters {
 namespace {
 
-std::string px(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  return text;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The smallest range that holds all finite values it was given.
+struct Extent {
+  double low = kInfinity, high = -kInfinity;
+
+  void add(double v) {
+    if (!std::isfinite(v)) return;
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
+  void add(const Estimate& e) {
+    if (!std::isfinite(e.value)) return;
+    add(e.value);
+    add(e.low);
+    add(e.high);
+  }
+  bool empty() const { return !(low <= high); }
+};
+
+bool hasInterval(const Estimate& e) {
+  return std::isfinite(e.value) && std::isfinite(e.low) && std::isfinite(e.high);
 }
 
-std::string attribute(const char* name, const std::string& value) {
-  std::string out = " ";
-  out.append(name).append("=\"").append(value).append("\"");
+std::string noValues(const ChartFrame& frame) { return "<p>" + escaped(frame.title) + ": no values.</p>\n"; }
+
+std::string tooltip(const std::string& label, const std::string& where, const Estimate& e) {
+  std::string out = label + ", " + where + ": " + number(e.value);
+  if (hasInterval(e)) out += " (" + number(e.low) + " to " + number(e.high) + ")";
   return out;
 }
 
-/// Length of the UTF-8 sequence at `i`, 0 when it is not valid.
-std::size_t utf8Length(const std::string& text, std::size_t i) {
-  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
-  const unsigned first = byte(i);
-  const std::size_t n = first < 0x80                    ? 1
-                        : first >= 0xC2 && first < 0xE0 ? 2
-                        : first >= 0xE0 && first < 0xF0 ? 3
-                        : first >= 0xF0 && first < 0xF5 ? 4
-                                                        : 0;
-  for (std::size_t k = 1; k < n; ++k)
-    if ((byte(i + k) & 0xC0) != 0x80) return 0;
-  if ((first == 0xE0 && byte(i + 1) < 0xA0) || (first == 0xED && byte(i + 1) >= 0xA0) ||
-      (first == 0xF0 && byte(i + 1) < 0x90) || (first == 0xF4 && byte(i + 1) >= 0x90))
-    return 0;
-  return n;
+/// What the frame asks for, widened to the values; without a wish the round numbers around the values, with 0
+/// when it is near.
+Extent yExtent(const ChartFrame& frame, Extent values, bool withZero) {
+  if (frame.yRange) {
+    Extent out{frame.yRange->first, frame.yRange->second};
+    out.add(values.low);
+    out.add(values.high);
+    return out;
+  }
+  if (withZero || (values.low > 0 && values.low < 0.4 * values.high)) values.add(0.0);
+  if (!(values.high > values.low)) values.high += values.high == 0 ? 1 : std::abs(values.high) * 0.1;
+  const double step = tickStep(values.low, values.high, 5);
+  return {std::floor(values.low / step + 1e-9) * step, std::ceil(values.high / step - 1e-9) * step};
+}
+
+std::vector<LegendEntry> markerLegend(const std::vector<Curve>& curves) {
+  std::vector<LegendEntry> out;
+  for (const Curve& c : curves) out.push_back({c.label, styleColour(c.style), LegendKey::kMarker, c.style});
+  return out;
+}
+
+/// The x that were measured, when there are few enough to label each.
+std::vector<double> measuredTicks(const std::vector<Curve>& curves, double pixels, const Extent& range) {
+  std::set<double> all;
+  for (const Curve& c : curves)
+    for (const CurvePoint& p : c.points)
+      if (std::isfinite(p.x)) all.insert(p.x);
+  const std::vector<double> ticks(all.begin(), all.end());
+  for (std::size_t i = 1; i < ticks.size(); ++i) {
+    const double gap = (ticks[i] - ticks[i - 1]) / (range.high - range.low) * pixels;
+    if (gap < 8 + (textWidth(number(ticks[i]), 12) + textWidth(number(ticks[i - 1]), 12)) / 2) return {};
+  }
+  return ticks;
+}
+
+void drawBand(Drawing& drawing, const Curve& curve) {
+  std::vector<Eigen::Vector2d> low, high;
+  const auto flush = [&] {
+    if (low.size() > 1) drawing.band(low, high, styleColour(curve.style));
+    low.clear();
+    high.clear();
+  };
+  for (const CurvePoint& p : curve.points) {
+    if (!hasInterval(p.y)) {
+      flush();
+      continue;
+    }
+    low.emplace_back(p.x, p.y.low);
+    high.emplace_back(p.x, p.y.high);
+  }
+  flush();
+}
+
+void drawCurve(Drawing& drawing, const Curve& curve, double shift, bool errorBars) {
+  const Colour colour = styleColour(curve.style);
+  std::vector<Eigen::Vector2d> line;
+  const auto flush = [&] {
+    if (line.size() > 1) drawing.polyline(line, colour, 1.6);
+    line.clear();
+  };
+  for (const CurvePoint& p : curve.points) {
+    if (std::isfinite(p.x) && std::isfinite(p.y.value))
+      line.emplace_back(p.x + shift, p.y.value);
+    else
+      flush();
+  }
+  flush();
+  for (const CurvePoint& p : curve.points) {
+    if (!std::isfinite(p.x) || !std::isfinite(p.y.value)) continue;
+    if (errorBars && hasInterval(p.y)) drawing.errorBar(p.x + shift, p.y.low, p.y.high, colour);
+    drawing.marker({p.x + shift, p.y.value}, curve.style, tooltip(curve.label, number(p.x), p.y));
+  }
+}
+
+/// The steps of a cumulative distribution, without those that no pixel shows.
+std::vector<Eigen::Vector2d> steps(const std::vector<double>& sorted, double total, double pixel, double from,
+                                   double to) {
+  std::vector<Eigen::Vector2d> out{{from, 0}};
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const bool last = i + 1 == sorted.size();
+    if (!last && (sorted[i + 1] == sorted[i] || sorted[i + 1] - out.back().x() < 0.5 * pixel)) continue;
+    const double share = 100 * static_cast<double>(i + 1) / total;
+    out.emplace_back(sorted[i], out.back().y());
+    out.emplace_back(sorted[i], share);
+  }
+  out.emplace_back(to, out.back().y());
+  return out;
+}
+
+struct Sorted {
+  std::vector<double> finite;
+  double total = 0;
+};
+
+Sorted sortedValues(const Distribution& d) {
+  Sorted out;
+  for (const double v : d.values) {
+    if (std::isnan(v)) continue;
+    ++out.total;
+    if (std::isfinite(v)) out.finite.push_back(v);
+  }
+  std::sort(out.finite.begin(), out.finite.end());
+  return out;
+}
+
+std::string shareUnder(const Sorted& values, double x) {
+  if (values.total == 0) return "no values";
+  const auto n = std::lower_bound(values.finite.begin(), values.finite.end(), x) - values.finite.begin();
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f %% under", 100 * static_cast<double>(n) / values.total);
+  return text;
+}
+
+void drawCumulative(Drawing& drawing, const Distribution& d, const Sorted& values, const Extent& xs) {
+  drawing.polyline(steps(values.finite, values.total, drawing.pixel(), xs.low, xs.high), styleColour(d.style),
+                   1.6);
+  constexpr int kMarkers = 8;
+  for (int k = 0; k < kMarkers; ++k) {
+    const auto i = static_cast<std::size_t>((k + 0.5) / kMarkers * static_cast<double>(values.finite.size()));
+    const double x = values.finite[i];
+    const auto upTo = std::upper_bound(values.finite.begin(), values.finite.end(), x) - values.finite.begin();
+    const double share = 100 * static_cast<double>(upTo) / values.total;
+    drawing.marker({x, share}, d.style, d.label + ": " + number(share, 3) + " % up to " + number(x));
+  }
 }
 
 }  // namespace
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t n = utf8Length(text, i);
-    const char c = text[i];
-    if (n == 0 || (n == 1 && static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t'))
-      out += "\xEF\xBF\xBD";
-    else if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else if (c == '\'')
-      out += "&#39;";
-    else
-      out.append(text, i, n);
-    i += std::max<std::size_t>(n, 1);
-  }
-  return out;
-}
-
-std::string number(double value, int digits) {
-  if (!std::isfinite(value)) return "–";
-  char text[64];
-  if (value == std::round(value) && std::abs(value) < 1e9)
-    std::snprintf(text, sizeof text, "%.0f", value == 0 ? 0.0 : value);
-  else
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
-
-std::vector<double> niceTicks(double low, double high, int wanted) {
-  const double rough = std::max(high - low, 1e-12) / std::max(wanted, 1);
-  const double power = std::pow(10.0, std::floor(std::log10(rough)));
-  double step = 10 * power;
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= rough * 0.999) {
-      step = factor * power;
-      break;
+std::string curveChart(const ChartFrame& frame, const std::vector<Curve>& curves, Spread spread) {
+  Extent xs, ys;
+  bool intervals = false;
+  for (const Curve& c : curves)
+    for (const CurvePoint& p : c.points) {
+      if (!std::isfinite(p.x) || !std::isfinite(p.y.value)) continue;
+      xs.add(p.x);
+      ys.add(p.y);
+      intervals = intervals || hasInterval(p.y);
     }
-  std::vector<double> ticks;
-  for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i)
-    ticks.push_back(i * step);
-  return ticks;
-}
-
-Drawing::Drawing(const Frame& frame, Eigen::Vector2d low, Eigen::Vector2d high, bool equalScale)
-    : low_(std::move(low)), high_(std::move(high)) {
-  left_ = 58;
-  right_ = frame.width - 14;
-  top_ = 34;
-  bottom_ = frame.height - 46;
-  for (int i = 0; i < 2; ++i)
-    if (!(high_[i] > low_[i])) high_[i] = low_[i] + 1;
-  scale_ = Eigen::Vector2d(right_ - left_, bottom_ - top_).cwiseQuotient(high_ - low_);
-  if (equalScale) {
-    scale_.setConstant(scale_.minCoeff());
-    const Eigen::Vector2d middle = (low_ + high_) / 2;
-    const Eigen::Vector2d half = Eigen::Vector2d(right_ - left_, bottom_ - top_).cwiseQuotient(scale_) / 2;
-    low_ = middle - half;
-    high_ = middle + half;
+  if (ys.empty()) return noValues(frame);
+  const double margin = xs.high > xs.low ? 0.04 * (xs.high - xs.low) : 0.5;
+  xs = {xs.low - margin, xs.high + margin};
+  ys = yExtent(frame, ys, false);
+  const auto ticks = measuredTicks(curves, frame.width - 90, xs);
+  Drawing drawing(
+      frame,
+      {.low = {xs.low, ys.low}, .high = {xs.high, ys.high}, .xTicks = ticks, .legend = markerLegend(curves)});
+  const bool bars = spread == Spread::kBars && intervals;
+  if (spread == Spread::kBands)
+    for (const Curve& c : curves) drawBand(drawing, c);
+  const double apart = bars && !ticks.empty() ? 4 * drawing.pixel() : 0;
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const double shift = (static_cast<double>(i) - static_cast<double>(curves.size() - 1) / 2) * apart;
+    drawCurve(drawing, curves[i], shift, bars);
   }
-  axes(frame);
+  return std::move(drawing).finish();
 }
 
-void Drawing::axes(const Frame& frame) {
-  svg_ = "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\"" +
-         attribute("viewBox", "0 0 " + px(frame.width) + " " + px(frame.height)) +
-         attribute("width", px(frame.width)) + attribute("height", px(frame.height)) +
-         attribute("aria-label", escaped(frame.title)) + ">";
-  svg_ += "<text class=\"title\"" + attribute("x", px(left_)) + attribute("y", "18") + ">" +
-          escaped(frame.title) + "</text>";
-  for (const double tick : niceTicks(low_.x(), high_.x(), static_cast<int>((right_ - left_) / 80))) {
-    svg_ += "<line class=\"grid\"" + attribute("x1", px(x(tick))) + attribute("x2", px(x(tick))) +
-            attribute("y1", px(top_)) + attribute("y2", px(bottom_)) + "/>";
-    svg_ += "<text text-anchor=\"middle\"" + attribute("x", px(x(tick))) + attribute("y", px(bottom_ + 16)) +
-            ">" + number(tick) + "</text>";
+std::string barChart(const ChartFrame& frame, const std::vector<std::string>& groups,
+                     const std::vector<BarSeries>& series) {
+  Extent ys;
+  std::vector<LegendEntry> legend;
+  for (const BarSeries& s : series) {
+    if (s.values.size() != groups.size())
+      throw base::Error("bar chart \"" + frame.title + "\": series \"" + s.label + "\" has " +
+                        std::to_string(s.values.size()) + " values for " + std::to_string(groups.size()) +
+                        " groups; give one a group, NaN where there is none");
+    for (const Estimate& e : s.values) ys.add(e);
+    legend.push_back({s.label, styleColour(s.style), LegendKey::kSwatch});
   }
-  for (const double tick : niceTicks(low_.y(), high_.y(), static_cast<int>((bottom_ - top_) / 45))) {
-    svg_ += "<line class=\"grid\"" + attribute("x1", px(left_)) + attribute("x2", px(right_)) +
-            attribute("y1", px(y(tick))) + attribute("y2", px(y(tick))) + "/>";
-    svg_ += "<text text-anchor=\"end\"" + attribute("x", px(left_ - 6)) + attribute("y", px(y(tick) + 4)) +
-            ">" + number(tick) + "</text>";
-  }
-  svg_ += "<line class=\"axis\"" + attribute("x1", px(left_)) + attribute("x2", px(right_)) +
-          attribute("y1", px(bottom_)) + attribute("y2", px(bottom_)) + "/>";
-  svg_ += "<line class=\"axis\"" + attribute("x1", px(left_)) + attribute("x2", px(left_)) +
-          attribute("y1", px(top_)) + attribute("y2", px(bottom_)) + "/>";
-  svg_ += "<text text-anchor=\"middle\"" + attribute("x", px((left_ + right_) / 2)) +
-          attribute("y", px(bottom_ + 36)) + ">" + escaped(frame.xLabel) + "</text>";
-  const std::string middle = px((top_ + bottom_) / 2);
-  svg_ += "<text text-anchor=\"middle\"" + attribute("transform", "rotate(-90 14 " + middle + ")") +
-          attribute("x", "14") + attribute("y", middle) + ">" + escaped(frame.yLabel) + "</text>\n";
-}
-
-void Drawing::line(Eigen::Vector2d from, Eigen::Vector2d to, Colour colour, double width, bool dashed) {
-  svg_ += "<line" + attribute("x1", px(x(from.x()))) + attribute("y1", px(y(from.y()))) +
-          attribute("x2", px(x(to.x()))) + attribute("y2", px(y(to.y()))) + attribute("stroke", hex(colour)) +
-          attribute("stroke-width", px(width)) + (dashed ? " stroke-dasharray=\"5 4\"" : "") + "/>\n";
-}
-
-void Drawing::polyline(const std::vector<Eigen::Vector2d>& points, Colour colour, double width) {
-  std::string list;
-  for (const auto& p : points) list += px(x(p.x())) + "," + px(y(p.y())) + " ";
-  svg_ += "<polyline fill=\"none\"" + attribute("stroke", hex(colour)) +
-          attribute("stroke-width", px(width)) + attribute("points", list) + "/>\n";
-}
-
-void Drawing::dot(Eigen::Vector2d centre, double radius, Colour colour, const std::string& tooltip) {
-  svg_ += "<circle" + attribute("cx", px(x(centre.x()))) + attribute("cy", px(y(centre.y()))) +
-          attribute("r", px(radius)) + attribute("fill", hex(colour)) +
-          " stroke=\"#222\" stroke-width=\"0.6\"><title>" + escaped(tooltip) + "</title></circle>\n";
-}
-
-void Drawing::bar(Eigen::Vector2d low, Eigen::Vector2d high, Colour colour, const std::string& tooltip) {
-  svg_ += "<rect" + attribute("x", px(x(low.x()))) + attribute("y", px(y(high.y()))) +
-          attribute("width", px(std::max(0.5, x(high.x()) - x(low.x())))) +
-          attribute("height", px(y(low.y()) - y(high.y()))) + attribute("fill", hex(colour)) + "><title>" +
-          escaped(tooltip) + "</title></rect>\n";
-}
-
-void Drawing::words(Eigen::Vector2d at, const std::string& text, int size) {
-  svg_ += "<text" + attribute("x", px(x(at.x()) + 6)) + attribute("y", px(y(at.y()) - 5)) +
-          attribute("font-size", std::to_string(size)) + ">" + escaped(text) + "</text>\n";
-}
-
-void Drawing::legend(const std::vector<LegendEntry>& entries) {
-  // From the right, in one row beside the title.
-  double at = right_;
-  for (auto e = entries.rbegin(); e != entries.rend(); ++e) {
-    at -= 7.0 * static_cast<double>(e->label.size());
-    svg_ += "<text" + attribute("x", px(at)) + attribute("y", "18") + ">" + escaped(e->label) + "</text>";
-    at -= 24;
-    svg_ += "<line" + attribute("x1", px(at)) + attribute("x2", px(at + 18)) +
-            " y1=\"14\" y2=\"14\" stroke-width=\"4\"" + attribute("stroke", hex(e->colour)) +
-            (e->dashed ? " stroke-dasharray=\"5 4\"" : "") + "/>\n";
-    at -= 12;
-  }
-}
-
-std::string Drawing::finish() && { return std::move(svg_) + "</svg>\n"; }
-
-std::string histogram(const Frame& frame, const std::vector<Series>& series, int bins) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const Series& s : series)
-    for (const double v : s.values) {
-      low = std::min(low, v);
-      high = std::max(high, v);
+  if (ys.empty()) return noValues(frame);
+  ys = yExtent(frame, ys, true);
+  ys.add(0.0);
+  Drawing drawing(frame, {.low = {-0.5, ys.low},
+                          .high = {static_cast<double>(groups.size()) - 0.5, ys.high},
+                          .groups = groups,
+                          .legend = legend});
+  const double slot = 0.8 / static_cast<double>(series.size());
+  for (std::size_t s = 0; s < series.size(); ++s)
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const Estimate& e = series[s].values[g];
+      const double from = static_cast<double>(g) - 0.4 + slot * static_cast<double>(s);
+      if (!std::isfinite(e.value)) {
+        drawing.words({from + slot / 2 - 10 * drawing.pixel(), 0}, "–", 12);
+        continue;
+      }
+      drawing.bar({from + 0.04 * slot, std::min(0.0, e.value)}, {from + 0.96 * slot, std::max(0.0, e.value)},
+                  styleColour(series[s].style), tooltip(series[s].label, groups[g], e));
+      if (hasInterval(e)) drawing.errorBar(from + slot / 2, e.low, e.high, {20, 20, 20}, true);
     }
-  if (!(low <= high)) return "<p>" + escaped(frame.title) + ": no values.</p>\n";
-  low = std::min(low, 0.0);
-  const double step = high > low ? (high - low) / bins : 1;
+  return std::move(drawing).finish();
+}
+
+std::string cumulativeChart(const ChartFrame& frame, const std::vector<Distribution>& series,
+                            const std::optional<Threshold>& threshold) {
+  Extent xs;
+  std::vector<Sorted> sorted;
+  std::vector<LegendEntry> legend;
+  for (const Distribution& d : series) {
+    sorted.push_back(sortedValues(d));
+    for (const double v : sorted.back().finite) xs.add(v);
+    legend.push_back({d.label, styleColour(d.style), LegendKey::kMarker, d.style});
+    if (threshold) legend.back().label += ": " + shareUnder(sorted.back(), threshold->x);
+  }
+  if (xs.empty()) return noValues(frame);
+  constexpr Colour kGrey{70, 70, 70};
+  if (threshold) {
+    xs.add(threshold->x);
+    legend.push_back({threshold->label, kGrey, LegendKey::kDashed});
+  }
+  if (xs.low > 0 && xs.low < 0.4 * xs.high) xs.add(0.0);
+  xs.high += xs.high > xs.low ? 0.02 * (xs.high - xs.low) : 1;
+  Drawing drawing(frame, {.low = {xs.low, 0}, .high = {xs.high, 100}, .legend = legend});
+  if (threshold) drawing.line({threshold->x, 0}, {threshold->x, 100}, kGrey, 1.4, true);
+  for (std::size_t s = 0; s < series.size(); ++s)
+    if (!sorted[s].finite.empty()) drawCumulative(drawing, series[s], sorted[s], xs);
+  return std::move(drawing).finish();
+}
+
+std::string histogram(const ChartFrame& frame, const std::vector<Distribution>& series, int bins) {
+  Extent xs;
+  for (const Distribution& s : series)
+    for (const double v : s.values) xs.add(v);
+  if (xs.empty()) return noValues(frame);
+  const double low = std::min(xs.low, 0.0);
+  const double step = xs.high > low ? (xs.high - low) / bins : 1;
   std::vector<std::vector<int>> counts(series.size(), std::vector<int>(static_cast<std::size_t>(bins), 0));
   int most = 1;
   for (std::size_t s = 0; s < series.size(); ++s)
     for (const double v : series[s].values) {
+      if (!std::isfinite(v)) continue;
       const auto bin =
           std::min(static_cast<std::size_t>((v - low) / step), static_cast<std::size_t>(bins) - 1);
       most = std::max(most, ++counts[s][bin]);
     }
-  Drawing drawing(frame, {low, 0}, {low + step * bins, most * 1.05});
   std::vector<LegendEntry> legend;
+  if (series.size() > 1)
+    for (const Distribution& s : series)
+      legend.push_back({s.label, styleColour(s.style), LegendKey::kSwatch});
+  Drawing drawing(frame, {.low = {low, 0}, .high = {low + step * bins, most * 1.05}, .legend = legend});
   for (std::size_t s = 0; s < series.size(); ++s) {
-    legend.push_back({series[s].label, series[s].colour});
     const double share = 0.9 / static_cast<double>(series.size());
     for (std::size_t b = 0; b < counts[s].size(); ++b) {
       if (counts[s][b] == 0) continue;
       const double from = low + step * (static_cast<double>(b) + 0.05 + share * static_cast<double>(s));
       const double edge = low + step * static_cast<double>(b);
-      drawing.bar({from, 0}, {from + share * step, counts[s][b]}, series[s].colour,
+      drawing.bar({from, 0}, {from + share * step, counts[s][b]}, styleColour(series[s].style),
                   series[s].label + ", " + number(edge, 3) + " to " + number(edge + step, 3) + ": " +
                       std::to_string(counts[s][b]));
     }
   }
-  if (series.size() > 1) drawing.legend(legend);
   return std::move(drawing).finish();
 }
 
-std::string lineChart(const Frame& frame, const std::vector<Series>& series) {
+std::string timeline(const ChartFrame& frame, const std::vector<Distribution>& series) {
   constexpr std::size_t kMaxPoints = 600;
   std::size_t longest = 0;
   double high = 0;
-  for (const Series& s : series) {
+  std::vector<LegendEntry> legend;
+  for (const Distribution& s : series) {
     longest = std::max(longest, s.values.size());
     for (const double v : s.values)
       if (std::isfinite(v)) high = std::max(high, v);
+    if (series.size() > 1) legend.push_back({s.label, styleColour(s.style)});
   }
-  if (longest == 0) return "<p>" + escaped(frame.title) + ": no values.</p>\n";
-  Drawing drawing(frame, {0, 0},
-                  {static_cast<double>(std::max<std::size_t>(longest - 1, 1)), high > 0 ? high * 1.05 : 1});
+  if (longest == 0) return noValues(frame);
+  const auto last = static_cast<double>(std::max<std::size_t>(longest - 1, 1));
+  Drawing drawing(frame, {.low = {0, 0}, .high = {last, high > 0 ? high * 1.05 : 1}, .legend = legend});
   const std::size_t bin = longest / kMaxPoints + 1;
-  std::vector<LegendEntry> legend;
-  for (const Series& s : series) {
+  for (const Distribution& s : series) {
     std::vector<Eigen::Vector2d> points;
     for (std::size_t i = 0; i < s.values.size(); i += bin) {
-      const auto end = s.values.begin() + static_cast<std::ptrdiff_t>(std::min(i + bin, s.values.size()));
-      points.emplace_back(static_cast<double>(i),
-                          *std::max_element(s.values.begin() + static_cast<std::ptrdiff_t>(i), end));
+      Extent here;
+      for (std::size_t k = i; k < std::min(i + bin, s.values.size()); ++k) here.add(s.values[k]);
+      if (!here.empty()) points.emplace_back(static_cast<double>(i), here.high);
     }
-    drawing.polyline(points, s.colour, 1.2);
-    legend.push_back({s.label, s.colour});
+    drawing.polyline(points, styleColour(s.style), 1.2);
   }
-  if (series.size() > 1) drawing.legend(legend);
   return std::move(drawing).finish();
 }
 

@@ -22,7 +22,7 @@ Colour viridis(double fraction);
 
 Colour edgeColour(map::EdgeType type);
 
-/// One of eight colours, for sessions and steps.
+/// One of eight colours that colour-blind eyes tell apart, for sessions and the series of charts.
 Colour categoryColour(std::size_t index);
 
 /// All kinds of edges, in the order of legends.

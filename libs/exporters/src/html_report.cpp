@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/exporters/html_report.h"
 
-#include "charts.h"
+#include "colours.h"
+#include "engram/exporters/charts.h"
+#include "engram/exporters/page.h"
 #include "map_chart.h"
+#include "markup.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,33 +18,19 @@ namespace {
 
 using Rows = std::vector<std::pair<std::string, std::string>>;
 
-constexpr const char* kStyle = R"(
-body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #1b1b1b; background: #fff; max-width: 1080px;
-       margin: 24px auto; padding: 0 16px; }
-h1 { font-size: 24px; margin: 0 0 4px; }
-h2 { font-size: 18px; margin: 32px 0 8px; border-bottom: 1px solid #ccc; padding-bottom: 2px; }
-table { border-collapse: collapse; margin: 8px 0; }
-th, td { text-align: left; padding: 3px 18px 3px 0; border-bottom: 1px solid #e4e4e4; vertical-align: top; }
-td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
-.two { display: flex; flex-wrap: wrap; gap: 20px 40px; align-items: flex-start; }
-svg { max-width: 100%; height: auto; }
-svg text { font-size: 12px; fill: #1b1b1b; font-family: system-ui, "DejaVu Sans", sans-serif; }
-svg text.title { font-weight: 600; font-size: 13px; }
-svg .grid { stroke: #e8e8e8; stroke-width: 1; }
-svg .axis { stroke: #444; stroke-width: 1; }
-pre { background: #f6f6f6; padding: 10px; overflow-x: auto; font-size: 12.5px; }
-p.note { color: #444; margin: 4px 0; }
-.share { display: inline-block; height: 10px; background: #0072b2; }
-)";
-
-std::string table(const Rows& rows) {
-  std::string out = "<table>\n";
-  for (const auto& [name, value] : rows)
-    out += "<tr><th>" + escaped(name) + "</th><td class=\"n\">" + escaped(value) + "</td></tr>\n";
-  return out + "</table>\n";
+ChartFrame frame(const std::string& title, const std::string& xLabel, const std::string& yLabel) {
+  return {.title = title, .xLabel = xLabel, .yLabel = yLabel, .width = 520, .height = 260};
 }
 
-std::string section(const std::string& title) { return "<h2>" + escaped(title) + "</h2>\n"; }
+/// Names and figures, the latter on the right though they are words.
+Table asTable(const Rows& rows) {
+  Table out{.rowHeads = true};
+  for (const auto& [name, value] : rows) {
+    out.rows.push_back({name, value});
+    out.rows.back().back().right = true;
+  }
+  return out;
+}
 
 double pathLength(const map::TopologicalMap& map) {
   double sum = 0;
@@ -87,7 +76,7 @@ Rows outcomeRows(std::span<const types::FrameReport> records) {
   return rows;
 }
 
-std::string reasonsTable(std::span<const types::FrameReport> records) {
+void addReasons(Page& page, std::span<const types::FrameReport> records) {
   std::map<std::string, int> counts;
   for (const auto& r : records)
     if (!r.reason.empty()) {
@@ -102,15 +91,14 @@ std::string reasonsTable(std::span<const types::FrameReport> records) {
       }
       ++counts[kind];
     }
-  if (counts.empty()) return {};
+  if (counts.empty()) return;
   std::vector<std::pair<int, std::string>> sorted;
   for (const auto& [kind, n] : counts) sorted.emplace_back(-n, kind);
   std::sort(sorted.begin(), sorted.end());
-  std::string out = "<table><tr><th>Why not (# stands for a number)</th><th class=\"n\">images</th></tr>\n";
+  Table out{.header = {"Why not (# stands for a number)", "images"}};
   for (std::size_t i = 0; i < std::min<std::size_t>(sorted.size(), 12); ++i)
-    out += "<tr><td>" + escaped(sorted[i].second) + "</td><td class=\"n\">" +
-           std::to_string(-sorted[i].first) + "</td></tr>\n";
-  return out + "</table>\n";
+    out.rows.push_back({sorted[i].second, Cell(-sorted[i].first, 0)});
+  page.table(out);
 }
 
 double quantile(std::vector<double> values, double q) {
@@ -136,7 +124,7 @@ std::string timeRow(const std::string& step, const std::vector<double>& ms, doub
          number(std::round(100 * share)) + " %</td></tr>\n";
 }
 
-std::string timeSection(std::span<const types::FrameReport> records) {
+void addTimes(Page& page, std::span<const types::FrameReport> records) {
   std::vector<std::string> order;
   std::map<std::string, std::vector<double>> ofStep;
   std::vector<double> whole;
@@ -149,18 +137,17 @@ std::string timeSection(std::span<const types::FrameReport> records) {
       ofStep[t.step].push_back(t.milliseconds);
     }
   }
-  std::string out = section("Time per image");
-  out +=
-      "<div class=\"two\"><table><tr><th>Step</th><th class=\"n\">images</th><th class=\"n\">mean [ms]</th>"
-      "<th class=\"n\">95 % [ms]</th><th class=\"n\">max [ms]</th><th>share of all time</th></tr>\n";
+  page.heading("Time per image").beginRow();
+  std::string out =
+      "<table><thead><tr><th>Step</th><th class=\"n\">images</th><th class=\"n\">mean [ms]</th>"
+      "<th class=\"n\">95 % [ms]</th><th class=\"n\">max [ms]</th><th>share of all "
+      "time</th></tr></thead><tbody>\n";
   for (const auto& step : order) out += timeRow(step, ofStep.at(step), total);
-  out += timeRow("whole image", whole, total) + "</table>\n";
-  out +=
-      lineChart({"Time over the drive", "image", "time [ms]"}, {{"whole image", categoryColour(0), whole}});
-  return out + "</div>\n";
+  page.append(out + timeRow("whole image", whole, total) + "</tbody></table>\n");
+  page.append(timeline(frame("Time over the drive", "image", "time [ms]"), {{"whole image", 0, whole}}));
 }
 
-std::string recordSections(std::span<const types::FrameReport> records) {
+void addRecords(Page& page, std::span<const types::FrameReport> records) {
   std::vector<double> accepted, refused, features;
   for (const auto& r : records) {
     features.push_back(r.features);
@@ -168,67 +155,58 @@ std::string recordSections(std::span<const types::FrameReport> records) {
     (r.outcome == types::Outcome::kRecognised ? accepted : refused)
         .push_back(r.hypotheses.front().similarity);
   }
-  std::string out = section("Recognition") + "<div class=\"two\">\n";
-  out += histogram({"Similarity of the best hypothesis", "similarity", "images"},
-                   {{"accepted", categoryColour(2), accepted}, {"not accepted", categoryColour(1), refused}},
-                   20);
-  out += lineChart({"Features found", "image", "features"}, {{"features", categoryColour(4), features}});
-  out += reasonsTable(records) + "</div>\n";
-  return out + timeSection(records);
+  page.heading("Recognition").beginRow();
+  page.append(histogram(frame("Similarity of the best hypothesis", "similarity", "images"),
+                        {{"accepted", 2, accepted}, {"not accepted", 1, refused}}, 20));
+  page.append(timeline(frame("Features found", "image", "features"), {{"features", 4, features}}));
+  addReasons(page, records);
+  addTimes(page, records);
 }
 
-std::string memorySection(const map::TopologicalMap& map) {
+void addMemory(Page& page, const map::TopologicalMap& map) {
   std::vector<double> longTerm, shortTerm, updates;
   for (const auto& [id, place] : map.places()) {
     longTerm.push_back(static_cast<double>(place.memory.longTerm().size()));
     shortTerm.push_back(static_cast<double>(place.memory.states.size()) - longTerm.back());
     updates.push_back(place.memory.updates);
   }
-  return section("Memory") + "<div class=\"two\">\n" +
-         histogram({"Features of a place", "features", "places"},
-                   {{"long-term", categoryColour(0), longTerm}, {"short-term", categoryColour(1), shortTerm}},
-                   16) +
-         histogram({"Views a place has learnt from", "views", "places"},
-                   {{"places", categoryColour(2), updates}}, 16) +
-         "</div>\n";
+  page.heading("Memory").beginRow();
+  page.append(histogram(frame("Features of a place", "features", "places"),
+                        {{"long-term", 0, longTerm}, {"short-term", 1, shortTerm}}, 16));
+  page.append(
+      histogram(frame("Views a place has learnt from", "views", "places"), {{"places", 2, updates}}, 16));
 }
 
-std::string headerSection(const map::MapHeader& h) {
+void addHeader(Page& page, const map::MapHeader& h) {
   const char* const kinds[] = {"float", "int8", "binary"};
-  std::string out = section("Made with");
-  out += table(
+  page.heading("Made with");
+  page.table(asTable(
       {{"Engram", h.engramVersion},
        {"Extractor", h.extractor},
        {"Descriptors", std::string(kinds[static_cast<std::size_t>(h.descriptorKind) % 3]) + ", " +
                            std::to_string(h.descriptorDim) +
                            (h.descriptorKind == types::DescriptorKind::kBinary ? " bits" : " components")},
        {"Memory model", h.memoryModel},
-       {"First image at [s]", number(h.firstStamp, 16)}});
-  out += "<details><summary>Camera</summary><pre>" + escaped(h.camera) + "</pre></details>\n";
-  return out + "<details><summary>Parameters</summary><pre>" + escaped(h.parameters) + "</pre></details>\n";
+       {"First image at [s]", number(h.firstStamp, 16)}}));
+  page.preformatted(h.camera, "Camera").preformatted(h.parameters, "Parameters");
 }
 
 }  // namespace
 
 std::string toHtml(const HtmlReport& report) {
-  std::string out =
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"/>\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>" +
-      escaped(report.title) + "</title>\n<style>" + kStyle + "</style></head>\n<body>\n<h1>" +
-      escaped(report.title) + "</h1>\n";
-  out += section("Figures") + "<div class=\"two\">\n";
-  if (!report.figures.empty()) out += table(report.figures);
-  if (report.map != nullptr) out += table(mapRows(*report.map));
-  if (!report.records.empty()) out += table(outcomeRows(report.records));
-  out += "</div>\n";
-  if (report.map != nullptr && !report.map->empty())
-    out += section("Map") + mapChart(*report.map) +
-           "<p class=\"note\">Thin lines are the robot's path, one colour a session. Point at a place for "
-           "its memory.</p>\n";
-  if (report.map != nullptr && !report.map->empty()) out += memorySection(*report.map);
-  if (!report.records.empty()) out += recordSections(report.records);
-  if (report.header != nullptr) out += headerSection(*report.header);
-  return out + "</body>\n</html>\n";
+  Page page(report.title);
+  page.heading("Figures").beginRow();
+  if (!report.figures.empty()) page.table(asTable(report.figures));
+  if (report.map != nullptr) page.table(asTable(mapRows(*report.map)));
+  if (!report.records.empty()) page.table(asTable(outcomeRows(report.records)));
+  if (report.map != nullptr && !report.map->empty()) {
+    page.heading("Map").append(mapChart(*report.map));
+    page.note("Thin lines are the robot's path, one colour a session. Point at a place for its memory.");
+    addMemory(page, *report.map);
+  }
+  if (!report.records.empty()) addRecords(page, report.records);
+  if (report.header != nullptr) addHeader(page, *report.header);
+  return page.html();
 }
 
 }  // namespace engram::exporters

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_chart.h"
 
-#include "charts.h"
+#include "drawing.h"
 
 #include <algorithm>
 
@@ -46,6 +46,18 @@ void drawPlaces(Drawing& drawing, const map::TopologicalMap& map) {
   }
 }
 
+std::vector<LegendEntry> legendOf(const map::TopologicalMap& map) {
+  std::vector<LegendEntry> legend;
+  for (const map::EdgeType type : kEdgeTypes)
+    if (std::any_of(map.edges().begin(), map.edges().end(),
+                    [&](const auto& e) { return e.second.type == type; }))
+      legend.push_back({map::toString(type), edgeColour(type),
+                        type == map::EdgeType::kWeak ? LegendKey::kDashed : LegendKey::kLine});
+  legend.push_back({"place: few", viridis(0), LegendKey::kSwatch});
+  legend.push_back({"many long-term features", viridis(1), LegendKey::kSwatch});
+  return legend;
+}
+
 }  // namespace
 
 std::string mapChart(const map::TopologicalMap& map) {
@@ -61,19 +73,13 @@ std::string mapChart(const map::TopologicalMap& map) {
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(0.05 * std::max((high - low).maxCoeff(), 1.0));
   // As high as the map needs, within reason.
   const Eigen::Vector2d size = high - low + 2 * margin;
-  const double height = std::clamp(1000 * size.y() / size.x() + 80, 320.0, 800.0);
-  Drawing drawing({"Map from above", "x [m]", "y [m]", 1080, height}, low - margin, high + margin, true);
+  const double height = std::clamp(1000 * size.y() / size.x() + 98, 338.0, 818.0);
+  Drawing drawing(
+      {.title = "Map from above", .xLabel = "x [m]", .yLabel = "y [m]", .width = 1080, .height = height},
+      {.low = low - margin, .high = high + margin, .equalScale = true, .legend = legendOf(map)});
   drawPaths(drawing, map);
   drawEdges(drawing, map);
   drawPlaces(drawing, map);
-  std::vector<LegendEntry> legend;
-  for (const map::EdgeType type : kEdgeTypes)
-    if (std::any_of(map.edges().begin(), map.edges().end(),
-                    [&](const auto& e) { return e.second.type == type; }))
-      legend.push_back({map::toString(type), edgeColour(type), type == map::EdgeType::kWeak});
-  legend.push_back({"place: few", viridis(0)});
-  legend.push_back({"many long-term features", viridis(1)});
-  drawing.legend(legend);
   return std::move(drawing).finish();
 }
 
