@@ -2,11 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/memory/static_view.h"
 
-#include "engram/base/config.h"
-#include "engram/base/error.h"
 #include "make_features.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace engram::memory {
@@ -31,49 +28,6 @@ TEST(Static, HoldsTheWholeFirstViewAsLongTermForEver) {
   EXPECT_EQ(memory.states, before.states);
   EXPECT_EQ(memory.features.descriptors, before.features.descriptors);
   EXPECT_EQ(memory.updates, before.updates);
-}
-
-TEST(MakeMemoryModel, ChoosesByName) {
-  MemoryParams params;
-  EXPECT_NE(dynamic_cast<Fsh*>(makeMemoryModel(params, {}).get()), nullptr);
-  params.memory = "static";
-  EXPECT_NE(dynamic_cast<Static*>(makeMemoryModel(params, {}).get()), nullptr);
-}
-
-TEST(MakeMemoryModel, RefusesAnUnknownNameAndBadParameters) {
-  MemoryParams params;
-  params.memory = "elephant";
-  EXPECT_THAT([&] { makeMemoryModel(params, {}); },
-              testing::ThrowsMessage<base::ConfigError>("memory: 'elephant' is not one of fsh | static"));
-  FshParams fsh;
-  fsh.max_features = 10;
-  EXPECT_THAT([&] { makeMemoryModel({}, fsh); },
-              testing::ThrowsMessage<base::ConfigError>(
-                  "[fsh] ltm_min_features = 280 must not exceed max_features = 10"));
-  fsh.max_features = 0;
-  EXPECT_THAT([&] { makeMemoryModel({}, fsh); }, testing::ThrowsMessage<base::ConfigError>(
-                                                     testing::HasSubstr("max_features: 0 is out of range")));
-}
-
-TEST(MemoryConfig, ReadsItsOwnDump) {
-  MemoryParams memory;
-  FshParams fsh;
-  fsh.prune_view = 7;
-  fsh.vote_variance = "literal";
-  base::Config config;
-  config.bind("memory", memory);
-  config.bind("fsh", fsh);
-  const auto text = config.dump();
-
-  MemoryParams memory2;
-  FshParams fsh2;
-  base::Config config2;
-  config2.bind("memory", memory2);
-  config2.bind("fsh", fsh2);
-  config2.read(base::IniFile::parse(text, "dump"));
-  EXPECT_EQ(fsh2.prune_view, 7);
-  EXPECT_EQ(fsh2.vote_variance, "literal");
-  EXPECT_EQ(config2.dump(), text);
 }
 
 }  // namespace

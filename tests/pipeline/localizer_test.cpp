@@ -112,6 +112,68 @@ TEST(Localizer, StandingRobotLearnsOnce) {
   EXPECT_EQ(learnt, 1);
 }
 
+// D-E3: once until another place was accepted.
+TEST(Localizer, PerPassAPlaceLearnsOnceUntilItWasLeft) {
+  auto params = tinyParams();
+  params.memory.update_policy = "per_pass";
+  params.select.min_distance = 0;  // so that a standing robot could learn again
+  Localizer localizer(params, firstMap(), true);
+  base::PlaceId here;
+  bool hasLearnt = false;
+  int learnt = 0, passed = 0, accepted = 0;
+  for (const auto& frame : secondDrive().frames) {
+    const auto report = localizer.process(frame);
+    const bool changed = !localizer.map().takeChanges().empty();
+    if (report.outcome != Outcome::kRecognised) continue;
+    ++accepted;
+    if (report.place != here) {
+      ++passed;
+      hasLearnt = false;
+    }
+    here = report.place;
+    EXPECT_FALSE(changed && hasLearnt) << "image " << report.index;
+    hasLearnt |= changed;
+    learnt += changed;
+  }
+  EXPECT_LT(passed, accepted) << "the drive must stay at some place for two images";
+  EXPECT_GE(learnt, passed - params.recognise.learn_after);
+
+  // A restart ends the pass: the place may learn again.
+  types::Frame frame = secondDrive().frames.back();
+  const auto learnsStanding = [&] {
+    int times = 0;
+    for (int i = 0; i < 5; ++i, ++frame.index) {
+      localizer.process(frame);
+      times += !localizer.map().takeChanges().empty();
+    }
+    return times;
+  };
+  localizer.restart();
+  EXPECT_EQ(learnsStanding(), 1);
+  EXPECT_EQ(learnsStanding(), 0);
+  localizer.restart();
+  EXPECT_EQ(learnsStanding(), 1);
+}
+
+TEST(Localizer, AdaptsWithEveryMemory) {
+  for (const char* name : {"multi_store", "replace", "static"}) {
+    auto params = tinyParams();
+    params.memory.memory = name;
+    Mapper mapper(params);
+    for (const auto& frame : firstDrive().frames) mapper.process(frame);
+    Localizer localizer(params, mapper.map(), true);
+    int accepted = 0, pruned = 0;
+    for (const auto& frame : secondDrive().frames) {
+      const auto report = localizer.process(frame);
+      accepted += report.outcome == Outcome::kRecognised;
+      pruned += report.memory.pruned;
+    }
+    EXPECT_GE(accepted, static_cast<int>(secondDrive().frames.size()) / 2) << name;
+    EXPECT_EQ(pruned > 0, std::string(name) != "static");
+    localizer.map().checkInvariants();
+  }
+}
+
 TEST(Localizer, RestartForgetsTheBelief) {
   Localizer used(tinyParams(), firstMap());
   for (std::size_t i = 0; i < 10; ++i) used.process(secondDrive().frames[i]);

@@ -242,6 +242,29 @@ TEST(Mapper, SecondDriveRecognisesAndMakesFewPlaces) {
 }
 
 /// The drive goes on for a third of a second lap; odometry counts on.
+// D-E3: a place learns once until another was accepted; making it is learning too.
+TEST(Mapper, PerPassAPlaceLearnsOnceUntilItWasLeft) {
+  auto params = tinyParams();
+  params.memory.update_policy = "per_pass";
+  Mapper mapper(params, firstMap());
+  base::PlaceId here;
+  bool hasLearnt = false;
+  int withheld = 0, learnt = 0;
+  for (const auto& frame : secondDrive().frames) {
+    const auto report = mapper.process(frame);
+    if (report.outcome != Outcome::kRecognised && report.outcome != Outcome::kNewPlace) continue;
+    if (report.place != here) hasLearnt = false;
+    here = report.place;
+    const bool learns = report.memory.rehearsed + report.memory.added > 0;
+    EXPECT_NE(learns, hasLearnt) << "image " << report.index;
+    withheld += !learns;
+    learnt += learns;
+    hasLearnt = true;
+  }
+  EXPECT_GT(withheld, 3);
+  EXPECT_GT(learnt, 10);
+}
+
 TEST(Mapper, ClosesTheLoopWhereItIsAndNowhereElse) {
   const DriveFrames& lap = firstDrive();
   std::vector<types::Frame> frames = lap.frames;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/place_match.h"
 
-#include "engram/memory/static_view.h"
+#include "engram/memory/models.h"
 #include "engram/pipeline/perception.h"
 #include "tiny_drive.h"
 
@@ -25,7 +25,7 @@ types::Features featuresOf(std::size_t frame) {
 }
 
 memory::PlaceMemory memoryOf(const types::Features& view) {
-  return memory::makeMemoryModel({}, {})->start(view);
+  return memory::makeMemoryModel({}, {}, {})->start(view);
 }
 
 TEST(Similarity, IsTheClosedFormOfEquation8) {

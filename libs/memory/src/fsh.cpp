@@ -3,12 +3,11 @@
 #include "engram/memory/fsh.h"
 
 #include "checks.h"
+#include "edit.h"
 #include "engram/base/error.h"
-#include "near_duplicates.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace engram::memory {
@@ -24,12 +23,8 @@ float largestValue(const PlaceMemory& memory) {
   return largest;
 }
 
-void ageAll(PlaceMemory& memory, double decay) {
-  for (auto& state : memory.states) {
-    if (state.age < std::numeric_limits<std::uint16_t>::max()) ++state.age;
-    state.value = static_cast<float>(state.value * decay);
-  }
-  ++memory.updates;
+void decayAll(PlaceMemory& memory, double decay) {
+  for (auto& state : memory.states) state.value = static_cast<float>(state.value * decay);
 }
 
 /// F eq (2). Every matched feature is rehearsed, not only those in long-term memory (F-E3).
@@ -48,40 +43,15 @@ void rehearse(PlaceMemory& memory, const Features& view, std::span<const Match> 
   }
 }
 
-/// F eq (3), F-E4. Near-duplicates are looked for among the features known before this view, so that the
-/// order of the view does not matter. They are dropped: a second copy would make both fail the ratio test for
-/// ever.
-int insertUnmatched(PlaceMemory& memory, const Features& view, std::span<const Match> matches,
-                    const FshParams& params) {
-  std::vector<bool> matched(view.size());
-  for (const auto& match : matches) matched[static_cast<std::size_t>(match.a)] = true;
-  const auto votes = insertionVotes(view.keypoints, params);
-  const types::Descriptors known = memory.features.descriptors;
-  int added = 0;
-  for (std::size_t i = 0; i < view.size(); ++i) {
-    if (matched[i] || hasNearDuplicate(known, view.descriptors, i, params.duplicate_distance)) continue;
-    memory.features.append(view, i);
+/// F eq (3), F-E4.
+int insertNew(PlaceMemory& memory, const Features& stored, std::span<const Match> matches,
+              const FshParams& params) {
+  const auto votes = insertionVotes(stored.keypoints, params);
+  return insertUnmatched(memory, stored, matches, params.duplicate_distance, [&](std::size_t i) {
     FeatureState state;
-    state.id = memory.nextFeatureId++;
     state.value = static_cast<float>(votes[i]);
-    memory.states.push_back(std::move(state));
-    ++added;
-  }
-  return added;
-}
-
-int keepOnly(PlaceMemory& memory, const std::vector<bool>& keep) {
-  std::vector<int> kept;
-  for (std::size_t i = 0; i < keep.size(); ++i)
-    if (keep[i]) kept.push_back(static_cast<int>(i));
-  const int removed = static_cast<int>(keep.size() - kept.size());
-  if (removed == 0) return 0;
-  std::vector<FeatureState> states;
-  states.reserve(kept.size());
-  for (const int i : kept) states.push_back(std::move(memory.states[static_cast<std::size_t>(i)]));
-  memory.features = memory.features.subset(kept);
-  memory.states = std::move(states);
-  return removed;
+    return state;
+  });
 }
 
 /// F eq (4) on raw votes, with the age of each feature (F-E5). In units of the nominal vote v the bound is
@@ -252,13 +222,9 @@ Fsh::Fsh(FshParams params) : params_(std::move(params)) {
 
 PlaceMemory Fsh::start(const Features& view) const {
   checkView(view);
-  PlaceMemory memory;
-  memory.features.descriptors =
-      types::quantised(types::Descriptors(view.descriptors.kind(), view.descriptors.dim()));
-  Features stored = view;
-  stored.descriptors = types::quantised(view.descriptors);
+  PlaceMemory memory = emptyMemory(view);
   MemoryChange change;
-  insertUnmatched(memory, stored, {}, params_);
+  insertNew(memory, asStored(view), {}, params_);
   memory.updates = 1;
   settle(memory, params_, change);
   return memory;
@@ -266,13 +232,13 @@ PlaceMemory Fsh::start(const Features& view) const {
 
 MemoryChange Fsh::update(PlaceMemory& memory, const Features& view, std::span<const Match> matches) const {
   checkUpdate(memory, view, matches);
-  Features stored = view;
-  stored.descriptors = types::quantised(view.descriptors);
+  const Features stored = asStored(view);
   MemoryChange change;
-  ageAll(memory, params_.decay);
+  ageAll(memory);
+  decayAll(memory, params_.decay);
   rehearse(memory, stored, matches, params_);
   change.rehearsed = static_cast<int>(matches.size());
-  change.added = insertUnmatched(memory, stored, matches, params_);
+  change.added = insertNew(memory, stored, matches, params_);
   settle(memory, params_, change);
   return change;
 }

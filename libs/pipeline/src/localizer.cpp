@@ -20,7 +20,8 @@ struct Localizer::Work {
 Localizer::Localizer(const PipelineParams& params, map::TopologicalMap map, bool adapt)
     : params_(params),
       perception_(params.camera, params.extractor),
-      memory_(memory::makeMemoryModel(params.memory, params.fsh)),
+      memory_(memory::makeMemoryModel(params.memory, params.fsh, params.multi_store)),
+      gate_(params.memory),
       recogniser_(params, Recogniser::Mode::kLocalisation),
       reckoning_(params.odometry),
       sinceLearning_(std::numeric_limits<double>::infinity()),
@@ -60,6 +61,7 @@ void Localizer::restart() {
   last_ = {};
   agreeing_ = 0;
   restarted_ = true;
+  gate_.restart();
 }
 
 void Localizer::move(Work& work) { reckoning_.move(work.frame.T_odom_robot); }
@@ -108,6 +110,7 @@ void Localizer::verify(Work& work) {
 void Localizer::follow(Work& work) {
   agreeing_ = last_.valid() && agreesWithMotion(work.report.place) ? agreeing_ + 1 : 1;
   last_ = work.report.place;
+  gate_.accepted(last_);
   sinceLast_ = 0.0;
   const double extent = params_.place.spacing;
   reckoning_.reset(Eigen::Isometry3d(work.accepted->R_place_view),
@@ -132,12 +135,13 @@ bool Localizer::agreesWithMotion(base::PlaceId place) const {
 /// one wrong answer that is learnt makes the next one look right. A standing robot learns once.
 void Localizer::remember(Work& work) {
   const StepTimer timer(work.report, "remember");
-  if (!work.accepted || agreeing_ < params_.recognise.learn_after) return;
+  if (!work.accepted || agreeing_ < params_.recognise.learn_after || !gate_.open()) return;
   if (reckoning_.known() && sinceLearning_ < params_.select.min_distance) return;
   const types::Features view = inPlaceFrame(work.features, work.accepted->R_place_view);
   work.report.memory = map_.remember(work.report.place, *memory_, view, work.accepted->matches);
   recogniser_.placeChanged(map_.place(work.report.place));
   sinceLearning_ = 0.0;
+  gate_.learnt();
 }
 
 }  // namespace engram::pipeline

@@ -41,7 +41,8 @@ struct Mapper::Work {
 Mapper::Mapper(const PipelineParams& params, map::TopologicalMap map)
     : params_(params),
       perception_(params.camera, params.extractor),
-      memory_(memory::makeMemoryModel(params.memory, params.fsh)),
+      memory_(memory::makeMemoryModel(params.memory, params.fsh, params.multi_store)),
+      gate_(params.memory),
       recogniser_(params, Recogniser::Mode::kMapping),
       relaxer_(posegraph::makeRelaxer(params.posegraph)),
       reckoning_(params.odometry),
@@ -208,9 +209,13 @@ void Mapper::remember(Work& work) {
   if (work.makesPlace) return addPlace(work);
 
   const auto& [id, match] = *work.accepted;
-  work.report.memory =
-      map_.remember(id, *memory_, inPlaceFrame(work.features, match.R_place_view), match.matches);
-  recogniser_.placeChanged(map_.place(id));
+  gate_.accepted(id);
+  if (gate_.open()) {
+    work.report.memory =
+        map_.remember(id, *memory_, inPlaceFrame(work.features, match.R_place_view), match.matches);
+    recogniser_.placeChanged(map_.place(id));
+    gate_.learnt();
+  }
   addView(work, id, 0);
 }
 
@@ -245,6 +250,8 @@ void Mapper::addPlace(Work& work) {
   work.report.memory.added = static_cast<int>(place.memory.features.size());
   work.report.place = edge.b = map_.addPlace(std::move(place));
   addView(work, edge.b, params_.place.keep_thumbnails);
+  gate_.accepted(edge.b);
+  gate_.learnt();
 
   if (from.valid()) {
     for (const auto& [id, match] : work.candidates)
@@ -358,6 +365,9 @@ void Mapper::relaxAll() {
     map_.setPoses(relaxed.poses);
 }
 
-void Mapper::finish() { relaxAll(); }
+void Mapper::finish() {
+  gate_.restart();
+  relaxAll();
+}
 
 }  // namespace engram::pipeline

@@ -62,6 +62,7 @@ void PipelineParams::bind(base::Config& config) {
   config.bind("odometry", odometry);
   config.bind("memory", memory);
   config.bind("fsh", fsh);
+  config.bind("multi_store", multi_store);
   config.bind("posegraph", posegraph);
 }
 

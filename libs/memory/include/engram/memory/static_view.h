@@ -2,12 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engram/base/params.h"
-#include "engram/memory/fsh.h"
 #include "engram/memory/place_memory.h"
-
-#include <memory>
-#include <string>
 
 namespace engram::memory {
 
@@ -19,15 +14,5 @@ class Static : public MemoryModel {
   types::MemoryChange update(PlaceMemory& memory, const types::Features& view,
                              std::span<const types::Match> matches) const override;
 };
-
-/// Section `[memory]`.
-struct MemoryParams {
-  std::string memory = "fsh";  ///< name of the model (X-02)
-
-  void describe(base::Params& p);
-};
-
-/// Throws base::ConfigError that names the key, for an unknown model or parameters that cannot be used.
-std::unique_ptr<MemoryModel> makeMemoryModel(const MemoryParams& params, const FshParams& fsh);
 
 }  // namespace engram::memory

@@ -6,6 +6,7 @@
 #include "engram/memory/place_memory.h"
 #include "engram/pipeline/dead_reckoning.h"
 #include "engram/pipeline/params.h"
+#include "engram/pipeline/pass_gate.h"
 #include "engram/pipeline/perception.h"
 #include "engram/pipeline/place_match.h"
 #include "engram/pipeline/recogniser.h"
@@ -74,6 +75,7 @@ class Mapper {
   PipelineParams params_;
   Perception perception_;
   std::unique_ptr<memory::MemoryModel> memory_;
+  PassGate gate_;
   Recogniser recogniser_;
   std::unique_ptr<posegraph::Relaxer> relaxer_;
   DeadReckoning reckoning_;

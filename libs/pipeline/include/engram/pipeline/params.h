@@ -7,7 +7,7 @@
 #include "engram/features/extractor.h"
 #include "engram/features/matching.h"
 #include "engram/geometry/verify.h"
-#include "engram/memory/static_view.h"
+#include "engram/memory/models.h"
 #include "engram/pipeline/perception.h"
 #include "engram/posegraph/relaxer.h"
 
@@ -76,6 +76,7 @@ struct PipelineParams {
   OdometryParams odometry;
   memory::MemoryParams memory;
   memory::FshParams fsh;
+  memory::MultiStoreParams multi_store;
   posegraph::RelaxerParams posegraph;
 
   /// Binds every struct to its section; this object must outlive `config`.

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/memory/models.h"
+
+#include "engram/memory/replace.h"
+#include "engram/memory/static_view.h"
+
+namespace engram::memory {
+
+void MemoryParams::describe(base::Params& p) {
+  p.addChoice("memory", memory, "how a place remembers", {"fsh", "multi_store", "static", "replace"});
+  p.addChoice("update_policy", update_policy,
+              "a place learns from each verified image, or once while the robot passes it",
+              {"per_image", "per_pass"});
+}
+
+std::unique_ptr<MemoryModel> makeMemoryModel(const MemoryParams& params, const FshParams& fsh,
+                                             const MultiStoreParams& multiStore) {
+  base::validate(params);
+  if (params.memory == "static") return std::make_unique<Static>();
+  if (params.memory == "replace") return std::make_unique<Replace>();
+  if (params.memory == "multi_store") return std::make_unique<MultiStore>(multiStore);
+  return std::make_unique<Fsh>(fsh);
+}
+
+}  // namespace engram::memory
