@@ -280,6 +280,18 @@ TEST(CumulativeChart, CountsWhatWasNeverFound) {
   EXPECT_NEAR(top, 75, 0.3);
 }
 
+TEST(Charts, GroupTheDigitsOfLargeNumbers) {
+  const auto labels = [](double high) {
+    std::vector<std::string> out;
+    for (const auto& m : all(timeline(frame(), {{"a", 0, {high}}}), "text-anchor=\"end\">([^<]*)</text>"))
+      out.push_back(m[0]);
+    return out;
+  };
+  EXPECT_THAT(labels(1e6), ElementsAre("0", "200\u202f000", "400\u202f000", "600\u202f000", "800\u202f000",
+                                       "1\u202f000\u202f000"));
+  EXPECT_THAT(labels(5000), ElementsAre("0", "1000", "2000", "3000", "4000", "5000"));
+}
+
 TEST(Timeline, LeavesOutWhatIsNoNumber) {
   EXPECT_THAT(timeline(frame(), {{"a", 0, {1, kNaN, 3}}}), Not(HasSubstr("nan")));
 }

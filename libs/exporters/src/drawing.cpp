@@ -104,7 +104,7 @@ Drawing::Drawing(const ChartFrame& frame, const Layout& layout) : low_(layout.lo
   }
   drawGrid(layout);
   drawGroups(layout.groups);
-  drawAxes(frame);
+  drawAxes(frame, !layout.groups.empty() && low_.y() < 0 && high_.y() > 0);
 }
 
 void Drawing::text(double atX, double atY, const std::string& words, const char* anchor,
@@ -196,11 +196,11 @@ void Drawing::drawGroups(const std::vector<std::string>& groups) {
   }
 }
 
-void Drawing::drawAxes(const ChartFrame& frame) {
+void Drawing::drawAxes(const ChartFrame& frame, bool zeroLine) {
   svg_ += "<g stroke=\"#444\">";
   segment(left_, bottom_, right_, bottom_);
   segment(left_, top_, left_, bottom_);
-  if (low_.y() < 0 && high_.y() > 0) segment(left_, y(0), right_, y(0));
+  if (zeroLine) segment(left_, y(0), right_, y(0));
   svg_ += "</g>\n";
   text((left_ + right_) / 2, frame.height - 8, frame.xLabel, "middle");
   const double middle = (top_ + bottom_) / 2;

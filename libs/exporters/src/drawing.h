@@ -62,7 +62,7 @@ class Drawing {
   double groupsHeight(const Layout& layout);
   void drawGrid(const Layout& layout);
   void drawGroups(const std::vector<std::string>& groups);
-  void drawAxes(const ChartFrame& frame);
+  void drawAxes(const ChartFrame& frame, bool zeroLine);
   void text(double atX, double atY, const std::string& words, const char* anchor,
             const std::string& more = "");
   void segment(double x1, double y1, double x2, double y2);

@@ -19,7 +19,7 @@ namespace {
 using Rows = std::vector<std::pair<std::string, std::string>>;
 
 ChartFrame frame(const std::string& title, const std::string& xLabel, const std::string& yLabel) {
-  return {.title = title, .xLabel = xLabel, .yLabel = yLabel, .width = 520, .height = 260};
+  return {.title = title, .xLabel = xLabel, .yLabel = yLabel, .width = 520, .height = 280};
 }
 
 /// Names and figures, the latter on the right though they are words.

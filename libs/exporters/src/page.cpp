@@ -23,7 +23,8 @@ table { border-collapse: collapse; }
 th, td { text-align: left; padding: 3px 18px 3px 0; border-bottom: 1px solid #e4e4e4; vertical-align: top; }
 thead th { border-bottom: 1px solid #888; vertical-align: bottom; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; padding: 3px 0 3px 18px; white-space: nowrap; }
-.detail { font-size: 12px; color: #555; font-weight: 400; display: inline-block; min-width: 6.6em; }
+.n + :not(.n) { padding-left: 18px; }
+.detail { font-size: 12px; color: #555; font-weight: 400; display: inline-block; min-width: 7em; }
 .wide { overflow-x: auto; margin: 12px 0; }
 .two { display: flex; flex-wrap: wrap; gap: 12px 26px; align-items: flex-start; }
 figure { margin: 12px 0; break-inside: avoid; }
@@ -40,7 +41,7 @@ p.note { color: #444; margin: 4px 0; }
   thead { display: table-header-group; }
   .wide, pre { overflow: visible; }
   pre { white-space: pre-wrap; }
-  .two figure { width: 48%; }
+  details::details-content { content-visibility: visible; }
   .share { print-color-adjust: exact; }
 }
 )";

@@ -20,7 +20,8 @@ struct ChartFrame {
   std::string yLabel = {};
   double width = 550;  ///< of the whole picture [px]
   double height = 340;
-  /// Shown at least; values and intervals beyond it widen it, so that none is hidden. None: fits the values.
+  /// Of curves and bars, shown at least; values and intervals beyond it widen it, so that none is hidden.
+  /// None: fits the values.
   std::optional<std::pair<double, double>> yRange = std::nullopt;
 };
 
