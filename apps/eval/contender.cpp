@@ -17,11 +17,6 @@ namespace {
 
 constexpr double kEdgeSigma = 0.1;  // [m] and [rad]; only the presence of an edge matters here
 
-int ringDistance(int a, int b, int places) {
-  const int d = std::abs(a - b);
-  return std::min(d, places - d);
-}
-
 void addEdge(map::TopologicalMap& map, int a, int b, map::EdgeType type) {
   const base::PlaceId from(static_cast<std::uint32_t>(a)), to(static_cast<std::uint32_t>(b));
   map::Edge edge;
@@ -64,7 +59,7 @@ class MemoryContender : public Contender {
   MemoryContender(const pipeline::PipelineParams& params, map::TopologicalMap map)
       : params_(params), map_(std::move(map)), recogniser_(fresh()) {}
 
-  Learning learn(const std::vector<LearnView>& drive, const std::vector<int>& truth) override {
+  Learning learn(const std::vector<LearnView>& drive, const Verdict& isRight) override {
     pipeline::Localizer localizer(params_, std::move(map_), true);  // a new drive: it may start anywhere
     Learning result;
     for (std::size_t i = 0; i < drive.size(); ++i) {
@@ -72,8 +67,7 @@ class MemoryContender : public Contender {
       ++result.views;
       if (report.memory.longTerm == 0) continue;
       ++result.learnt;
-      const int places = static_cast<int>(localizer.map().places().size());
-      result.wrong += ringDistance(static_cast<int>(report.place.value), truth[i], places) > 1;
+      result.wrong += !isRight(i, report.place);
     }
     map_ = std::move(localizer.map());
     recogniser_ = fresh();
@@ -123,7 +117,7 @@ class BagContender : public Contender {
     rebuild();
   }
 
-  Learning learn(const std::vector<LearnView>& drive, const std::vector<int>& truth) override {
+  Learning learn(const std::vector<LearnView>& drive, const Verdict& isRight) override {
     pipeline::Recogniser filter(params_, pipeline::Recogniser::Mode::kLocalisation);
     filter.load(map_);
     Learning result;
@@ -136,8 +130,7 @@ class BagContender : public Contender {
         if (!confirmed(drive[i].features, bestView(drive[i].features, hypothesis.place))) continue;
         added.push_back({hypothesis.place, whole_.start(drive[i].features)});
         ++result.learnt;
-        const int places = static_cast<int>(map_.places().size());
-        result.wrong += ringDistance(static_cast<int>(hypothesis.place.value), truth[i], places) > 1;
+        result.wrong += !isRight(i, hypothesis.place);
         break;
       }
     }

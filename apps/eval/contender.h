@@ -8,6 +8,7 @@
 #include "engram/types/features.h"
 #include "engram/types/frame.h"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,7 +32,7 @@ struct Holdings {
 struct Learning {
   int views = 0;
   int learnt = 0;
-  int wrong = 0;  ///< of those, at another place than the nearest one or its neighbours
+  int wrong = 0;  ///< of those, at a wrong place
 };
 
 /// A way of remembering places, under test. All contenders see the same views, localise with the same belief
@@ -41,8 +42,9 @@ class Contender {
   virtual ~Contender() = default;
 
   /// Learns from a drive, view by view, at the places where it finds itself.
-  /// @param truth number of the true place of every view; only counted, never used to learn
-  virtual Learning learn(const std::vector<LearnView>& drive, const std::vector<int>& truth) = 0;
+  /// @param isRight whether view i of the drive shows this place; only counted, never used to learn
+  using Verdict = std::function<bool(std::size_t i, base::PlaceId place)>;
+  virtual Learning learn(const std::vector<LearnView>& drive, const Verdict& isRight) = 0;
 
   /// How much this view looks like each place, in [0, 1]; input of the sensor model F eq (9). Thread-safe.
   virtual std::vector<double> scores(const types::Features& view) const = 0;
@@ -59,7 +61,7 @@ struct Method {
   int words = 0;  ///< size of the k-means dictionary of the bag of words; 0: a memory model
 };
 
-/// A closed tour: one place for each view, neighbours joined, the last with the first.
+/// A map of one drive: one place for each view, neighbours joined; with `closed` the last with the first.
 std::unique_ptr<Contender> makeContender(const Method& method, const std::vector<LearnView>& tour,
                                          const std::vector<Eigen::Isometry3d>& T_map_robot, bool closed);
 

@@ -12,18 +12,22 @@ std::string EvalProgram::description() const {
 std::string EvalProgram::examples() const {
   return "  engram-eval memory --out lab --json lab.json\n"
          "  engram-eval memory --out lab_quick --quick\n"
-         "  engram-eval memory --out lab_7 --seed 7 --set fsh.prune_view=3\n";
+         "  engram-eval memory --out lab_7 --seed 7 --set fsh.prune_view=3\n"
+         "  engram-eval images --config config/fsh_mono.ini --reference day_left --query day_right "
+         "--truth truth.csv --out gardens\n";
 }
 
 void EvalProgram::declare(CLI::App& app) {
   app.require_subcommand(1);
-  memoryApp_ =
-      app.add_subcommand("memory",
-                         "How places remember: FSH, short- and long-term stores, bag of words, static, "
-                         "replace, over months of change");
-  memory_.declare(*memoryApp_);
+  memory_.declare(*app.add_subcommand("memory",
+                                      "How places remember: FSH, short- and long-term stores, bag of words, "
+                                      "static, replace, over months of change"));
+  imagesApp_ = app.add_subcommand("images", "The same memories on two real traversals of one way");
+  images_.declare(*imagesApp_);
 }
 
-int EvalProgram::run(std::ostream& out, std::ostream& err) { return memory_.run(out, err); }
+int EvalProgram::run(std::ostream& out, std::ostream& err) {
+  return imagesApp_->parsed() ? images_.run(out, err) : memory_.run(out, err);
+}
 
 }  // namespace engram::apps

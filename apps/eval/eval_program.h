@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/apps/program.h"
+#include "images_command.h"
 #include "memory_command.h"
 
 namespace engram::apps {
@@ -18,7 +19,8 @@ class EvalProgram : public Program {
 
  private:
   MemoryCommand memory_;
-  CLI::App* memoryApp_ = nullptr;
+  ImagesCommand images_;
+  CLI::App* imagesApp_ = nullptr;
 };
 
 }  // namespace engram::apps

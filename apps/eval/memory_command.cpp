@@ -7,6 +7,7 @@
 #include "engram/base/config.h"
 #include "engram/base/error.h"
 #include "lab_figures.h"
+#include "methods.h"
 
 #include <nlohmann/json.hpp>
 
@@ -17,11 +18,6 @@
 namespace engram::apps {
 namespace fs = std::filesystem;
 namespace {
-
-Method memoryMethod(const std::string& name, pipeline::PipelineParams params, const std::string& model) {
-  params.memory.memory = model;
-  return {name, std::move(params), 0};
-}
 
 /// The small version: the same steps on a small building.
 void shrink(MemoryLabParams& lab) {
@@ -58,30 +54,6 @@ void printTable(const std::vector<LabFigure>& figures, int update, std::ostream&
 }
 
 }  // namespace
-
-std::vector<Method> comparedMethods(const pipeline::PipelineParams& pipeline, int bowWords) {
-  std::vector<Method> methods{memoryMethod("fsh", pipeline, "fsh"),
-                              {"bow_80", pipeline, 80},
-                              {"bow_" + std::to_string(bowWords), pipeline, bowWords},
-                              memoryMethod("static", pipeline, "static")};
-
-  return methods;
-}
-
-std::vector<Method> sweptMethods(const pipeline::PipelineParams& pipeline) {
-  std::vector<Method> methods;
-  for (int age = 1; age <= 7; ++age) {
-    methods.push_back(memoryMethod("prune_view_" + std::to_string(age), pipeline, "fsh"));
-    methods.back().params.fsh.prune_view = age;
-  }
-  for (int tenth = 1; tenth <= 9; ++tenth) {
-    methods.push_back(memoryMethod("ltm_threshold_0." + std::to_string(tenth), pipeline, "fsh"));
-    methods.back().params.fsh.ltm_threshold = tenth / 10.0;
-    // The default floor would decide in place of the threshold.
-    methods.back().params.fsh.ltm_min_features = 40;
-  }
-  return methods;
-}
 
 void MemoryCommand::declare(CLI::App& command) { options_.declare(command); }
 

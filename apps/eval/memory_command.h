@@ -23,9 +23,4 @@ class MemoryCommand {
   pipeline::PipelineParams pipeline_;
 };
 
-/// The memories that are compared (F-27, F-E21, D-13, F-31).
-std::vector<Method> comparedMethods(const pipeline::PipelineParams& pipeline, int bowWords);
-/// FSH with prune_view from 1 to 7 and with ltm_threshold from 0.1 to 0.9 (F-23).
-std::vector<Method> sweptMethods(const pipeline::PipelineParams& pipeline);
-
 }  // namespace engram::apps

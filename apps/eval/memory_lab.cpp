@@ -144,14 +144,15 @@ MethodRun MemoryLab::runOne(const Method& method, const std::vector<Condition>& 
   run.method = method.name;
   std::vector<Eigen::Isometry3d> poses;
   for (const Sample& sample : drives_.tours.front().samples) poses.push_back(sample.T_world_robot);
-  std::vector<int> truth(poses.size());
-  for (std::size_t i = 0; i < truth.size(); ++i) truth[i] = static_cast<int>(i);
+  const auto isRight = [&](std::size_t station, base::PlaceId place) {
+    return ringDistance(place.value, static_cast<double>(station), params_.places) <= 1;
+  };
 
   const auto contender = makeContender(method, learnViews(drives_.tours.front()), poses, true);
   for (int update = 1; update <= params_.updates; ++update) {
     Learning learning;
     if (update > 1)
-      learning = contender->learn(learnViews(drives_.tours[static_cast<std::size_t>(update - 1)]), truth);
+      learning = contender->learn(learnViews(drives_.tours[static_cast<std::size_t>(update - 1)]), isRight);
     run.updates.push_back({contender->holdings(), learning});
     for (const Condition& condition : conditions) {
       if (base::interrupted()) throw base::Interrupted("testing " + method.name);
