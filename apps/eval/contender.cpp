@@ -226,7 +226,8 @@ std::unique_ptr<Contender> makeContender(const Method& method, const std::vector
                                          const std::vector<Eigen::Isometry3d>& T_map_robot, bool closed) {
   if (method.words > 0)
     return std::make_unique<BagContender>(method, makeMap(memory::Static(), tour, T_map_robot, closed), tour);
-  const auto model = memory::makeMemoryModel(method.params.memory, method.params.fsh);
+  const auto model =
+      memory::makeMemoryModel(method.params.memory, method.params.fsh, method.params.multi_store);
   return std::make_unique<MemoryContender>(method.params, makeMap(*model, tour, T_map_robot, closed));
 }
 

@@ -74,13 +74,23 @@ std::vector<LabFigure> figuresOf(const std::vector<MethodRun>& runs, const std::
   return figures;
 }
 
-Interval advantage(const MethodRun& a, const MethodRun& b, const std::string& condition, int update,
-                   const std::vector<Sequence>& sequences, int sequenceLength) {
-  const auto samples = [&](const MethodRun& run) {
-    return samplesOf(cellOf(run, condition, update).interpolated, sequences, sequenceLength, Part::kAll,
-                     succeeded);
+std::vector<Advantage> advantagesOfFirst(const std::vector<MethodRun>& runs,
+                                         const std::vector<Sequence>& sequences, int sequenceLength) {
+  const auto samples = [&](const Cell& cell) {
+    return samplesOf(cell.interpolated, sequences, sequenceLength, Part::kAll, succeeded);
   };
-  return evaluation::blockBootstrapDifference(samples(a), samples(b));
+  std::vector<Advantage> advantages;
+  const MethodRun& first = runs.front();
+  for (const Cell& cell : first.cells) {
+    if (cell.update != first.cells.back().update) continue;
+    for (const MethodRun& other : runs) {
+      if (&other == &first) continue;
+      const Cell& its = cellOf(other, cell.condition, cell.update);
+      advantages.push_back(
+          {cell.condition, other.method, evaluation::blockBootstrapDifference(samples(cell), samples(its))});
+    }
+  }
+  return advantages;
 }
 
 nlohmann::json toJson(const std::vector<LabFigure>& figures) {
@@ -100,6 +110,16 @@ nlohmann::json toJson(const std::vector<LabFigure>& figures) {
                     {"global_mean_error", f.globalError.value},
                     {"local_mean_error", f.localError.value},
                     {"bytes_per_place", f.bytesPerPlace}});
+  return list;
+}
+
+nlohmann::json toJson(const std::vector<Advantage>& advantages) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& a : advantages)
+    list.push_back({{"condition", a.condition},
+                    {"over", a.over},
+                    {"points", a.share.value},
+                    {"points_95", bounds(a.share)}});
   return list;
 }
 

@@ -34,11 +34,19 @@ struct LabFigure {
 std::vector<LabFigure> figuresOf(const std::vector<MethodRun>& runs, const std::vector<Sequence>& sequences,
                                  int sequenceLength);
 
-/// How much more often `a` succeeds than `b` on the same images, of all images of the sequences.
-evaluation::Interval advantage(const MethodRun& a, const MethodRun& b, const std::string& condition,
-                               int update, const std::vector<Sequence>& sequences, int sequenceLength);
+/// How much more often a method succeeds than another on the same images, global and local together.
+struct Advantage {
+  std::string condition;
+  std::string over;            ///< the other method
+  evaluation::Interval share;  ///< positive: better
+};
+
+/// Of the first run over each other one, in every condition of the last update.
+std::vector<Advantage> advantagesOfFirst(const std::vector<MethodRun>& runs,
+                                         const std::vector<Sequence>& sequences, int sequenceLength);
 
 nlohmann::json toJson(const std::vector<LabFigure>& figures);
+nlohmann::json toJson(const std::vector<Advantage>& advantages);
 std::string toCsv(const std::vector<LabFigure>& figures);
 
 }  // namespace engram::apps

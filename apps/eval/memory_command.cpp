@@ -7,6 +7,7 @@
 #include "engram/base/config.h"
 #include "engram/base/error.h"
 #include "lab_figures.h"
+#include "memory_report.h"
 #include "methods.h"
 
 #include <nlohmann/json.hpp>
@@ -87,10 +88,34 @@ int MemoryCommand::run(std::ostream& out, std::ostream& err) {
   const auto runs = lab.run(comparedMethods(pipeline_, lab_.bow_words), conditions(), "runs");
   const auto figures = figuresOf(runs, lab.sequences(), lab_.sequence_length);
 
-  base::writeText((fs::path(options_.folder) / "results.csv").string(), toCsv(figures), true);
-  writeJson(options_.json, {{"seed", options_.seed}, {"results", toJson(figures)}});
-  if (!options_.quiet) printTable(figures, lab_.updates, out);
+  const std::vector<Condition> extremes{conditions().front(), conditions().back()};
+  const auto sweeps =
+      options_.quick ? std::vector<MethodRun>() : lab.run(sweptMethods(pipeline_), extremes, "sweeps");
+  const MemoryReport report{figures,
+                            runs,
+                            figuresOf(sweeps, lab.sequences(), lab_.sequence_length),
+                            advantagesOfFirst(runs, lab.sequences(), lab_.sequence_length),
+                            lab.drives(),
+                            lab_,
+                            settings,
+                            options_.seed};
+  writeResults(report);
+  if (!options_.quiet) {
+    printTable(figures, lab_.updates, out);
+    out << "report: " << (fs::path(options_.folder) / "report.html").string() << "\n";
+  }
   return kOk;
+}
+
+void MemoryCommand::writeResults(const MemoryReport& report) const {
+  const fs::path folder = options_.folder;
+  base::writeText((folder / "results.csv").string(), toCsv(report.figures), true);
+  if (!report.swept.empty()) base::writeText((folder / "sweeps.csv").string(), toCsv(report.swept), true);
+  base::writeText((folder / "report.html").string(), toHtml(report), true);
+  writeJson(options_.json, {{"seed", report.seed},
+                            {"results", toJson(report.figures)},
+                            {"sweeps", toJson(report.swept)},
+                            {"advantages", toJson(report.advantages)}});
 }
 
 }  // namespace engram::apps

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "experiment_folder.h"
-#include "memory_lab.h"
+#include "memory_report.h"
 
 #include <iosfwd>
 
@@ -17,6 +17,7 @@ class MemoryCommand {
 
  private:
   std::string readConfig();
+  void writeResults(const MemoryReport& report) const;
 
   ExperimentOptions options_;
   MemoryLabParams lab_;
