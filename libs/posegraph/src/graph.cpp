@@ -47,6 +47,13 @@ void requireValid(const Graph& graph) {
   }
 }
 
+types::Matrix6d adjoint(const Eigen::Isometry3d& T) {
+  types::Matrix6d out = types::Matrix6d::Zero();
+  out.topLeftCorner<3, 3>() = out.bottomRightCorner<3, 3>() = T.linear();
+  out.topRightCorner<3, 3>() = skew(T.translation()) * T.linear();
+  return out;
+}
+
 Vector6d logSe3(const Eigen::Isometry3d& T) {
   const Eigen::AngleAxisd turn(T.linear());
   const Eigen::Vector3d w = turn.angle() * turn.axis();

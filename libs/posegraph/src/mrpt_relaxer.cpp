@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/posegraph/mrpt_graph.h"
+#include "indexed_graph.h"
 #include "relaxers.h"
 
 #include <Eigen/LU>
@@ -16,24 +17,26 @@ class MrptRelaxer : public Relaxer {
  public:
   explicit MrptRelaxer(const RelaxerParams& params) : params_(params) {}
 
-  Relaxation relax(const Graph& graph) const override {
-    requireValid(graph);
+ private:
+  Relaxation run(const Graph& graph, const std::set<PlaceId>& held, bool online) const override {
     Relaxation out;
     out.poses = graph.poses;
     auto network = withMotionWeights(graph);
     if (network.edges.empty()) return out;
-    const auto fixed = anchors(graph);
+    const IndexedGraph index(graph);
+    const std::vector<char> fixed = index.anchors(held);
     std::set<mrpt::graphs::TNodeID> free;
-    for (const auto& [id, T] : graph.poses)
-      if (!fixed.contains(id)) free.insert(id.value);
-    out.chi2Before = chi2(graph, out.poses);
+    for (std::size_t i = 0; i < fixed.size(); ++i)
+      if (!fixed[i]) free.insert(index.id(i).value);
+    out.chi2Before = chi2(graph, out.poses, false);
     mrpt::containers::yaml options = mrpt::containers::yaml::Map();
-    options["max_iterations"] = params_.max_iterations;
+    const int limit = online ? params_.window_iterations : params_.max_iterations;
+    options["max_iterations"] = limit;
     mrpt::graphslam::TResultInfoSpaLevMarq info;
     mrpt::graphslam::optimize_graph_spa_levmarq(network, info, &free, options);
     out.iterations = static_cast<int>(info.num_iters);
     std::map<PlaceId, Eigen::Isometry3d> moved = fromMrpt(network).poses;
-    out.chi2After = chi2(graph, moved);
+    out.chi2After = chi2(graph, moved, false);
     out.ending = Ending::kFailed;
     // It reports neither failure nor divergence, so both are looked for here.
     if (!(out.chi2After <= out.chi2Before)) {
@@ -41,11 +44,10 @@ class MrptRelaxer : public Relaxer {
       return out;
     }
     out.poses = std::move(moved);
-    out.ending = out.iterations < params_.max_iterations ? Ending::kConverged : Ending::kIterationLimit;
+    out.ending = out.iterations < limit ? Ending::kConverged : Ending::kIterationLimit;
     return out;
   }
 
- private:
   /// levmarq weighs the logarithm of the gap, so it must be given information about motions, not about MRPT's
   /// angles.
   static mrpt::graphs::CNetworkOfPoses3DInf withMotionWeights(const Graph& graph) {
@@ -59,16 +61,6 @@ class MrptRelaxer : public Relaxer {
       network.insertEdge(c.a.value, c.b.value, edge);
     }
     return network;
-  }
-
-  static double chi2(const Graph& graph, const std::map<PlaceId, Eigen::Isometry3d>& poses) {
-    double sum = 0;
-    for (const Constraint& c : graph.constraints) {
-      if (!c.T_a_b.hasScale) continue;
-      const Eigen::Matrix<double, 6, 1> e = residual(c.T_a_b, poses.at(c.a), poses.at(c.b));
-      sum += e.dot(c.T_a_b.cov.ldlt().solve(e));
-    }
-    return sum;
   }
 
   RelaxerParams params_;

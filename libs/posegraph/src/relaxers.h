@@ -4,14 +4,20 @@
 
 #include "engram/posegraph/relaxer.h"
 
-#include <set>
-
 namespace engram::posegraph {
 
 std::unique_ptr<Relaxer> makeCeresRelaxer(const RelaxerParams& params);
+std::unique_ptr<Relaxer> makeDuckettRelaxer(const RelaxerParams& params);
 std::unique_ptr<Relaxer> makeMrptRelaxer(const RelaxerParams& params);
 
-/// The first place of every connected part: those that stay where they are.
-std::set<PlaceId> anchors(const Graph& graph);
+/// Heading of a place.
+double yawOf(const Eigen::Isometry3d& T);
+
+/// x, y and yaw as given; height, roll and pitch stay.
+void setPlanar(Eigen::Isometry3d& T, double x, double y, double yaw);
+
+/// Sum of the weighted squared residuals of the constraints with scale, without kernels; planar: of x, y,
+/// yaw.
+double chi2(const Graph& graph, const std::map<PlaceId, Eigen::Isometry3d>& poses, bool planar);
 
 }  // namespace engram::posegraph

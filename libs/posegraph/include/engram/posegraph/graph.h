@@ -45,6 +45,9 @@ void addMissingPoses(Graph& graph, double metresPerRadian = 1.0);
 Eigen::Matrix<double, 6, 1> residual(const types::RelPose& T_a_b, const Eigen::Isometry3d& T_map_a,
                                      const Eigen::Isometry3d& T_map_b);
 
+/// Takes a small motion d of a frame to the frame that T leads to: T exp(d) = exp(adjoint(T) d) T.
+types::Matrix6d adjoint(const Eigen::Isometry3d& T);
+
 /// SE(3) logarithm (translation part, rotation vector) and its inverse.
 Eigen::Matrix<double, 6, 1> logSe3(const Eigen::Isometry3d& T);
 Eigen::Isometry3d expSe3(const Eigen::Matrix<double, 6, 1>& v);
