@@ -170,6 +170,25 @@ TEST(Session, LightChangesThePictureAndTheWallStays) {
             3);
 }
 
+// Someone close before the camera changes the picture there; no one leaves it as it is.
+TEST(Session, PeopleStandInThePictureOfAPose) {
+  const World& w = tinyWorld();
+  const Eyes eyes = smallEyes("pinhole");
+  const Appearance day = w.appearance(1);
+  const Scene scene(w.building(), day, w.library());
+  const Renderer renderer(eyes.left, w.params().sensor);
+  const Pose2 robot{4, 1.75, 0};
+  const Eigen::Isometry3d T = toIsometry(robot) * eyes.left.T_robot_cam;
+  const cv::Mat plain = renderAt(w, day, eyes.left, robot);
+  EXPECT_EQ(meanDifference(plain, renderAt(scene, renderer, T, {}, w.params().seed)), 0);
+  Pillar person;
+  person.centre = {5.2f, 1.75f};
+  person.texture = w.library().people.front();
+  EXPECT_GT(meanDifference(plain, renderAt(scene, renderer, T, {person}, w.params().seed)), 2);
+  for (const Pillar& q : walkers(w, 20, 7, 30.0, robot))
+    EXPECT_GE((q.centre.cast<double>() - Eigen::Vector2d(robot.x, robot.y)).norm(), 0.69);
+}
+
 TEST(Session, StereoPairHasTheDisparityOfItsDepth) {
   WorldParams p;
   p.sensor.noise = false;

@@ -89,5 +89,48 @@ TEST(Schedule, SunRisesInTheEastAndIsHighestAtNoon) {
   EXPECT_TRUE(dark && bright);
 }
 
+// Listed sessions change by the sudden share, the others by their own; and what is not listed is as ever.
+TEST(Schedule, ChangesSuddenlyWhereAskedTo) {
+  ChangeParams p;
+  p.poster_share = 0.05, p.sudden_share = 0.6, p.sudden_sessions = "3, 5";
+  Schedule schedule(office(), p);
+  const auto posters = static_cast<double>(office().posterSpots().size());
+  for (int n = 2; n <= 6; ++n) {
+    const double share = n == 3 || n == 5 ? 0.6 : 0.05;
+    EXPECT_EQ(schedule.session(n).changedPosters, std::lround(share * posters)) << n;
+  }
+  ChangeParams plain = p;
+  plain.sudden_sessions.clear();
+  Schedule calm(office(), plain);
+  EXPECT_EQ(schedule.session(2).inWords(), calm.session(2).inWords());
+  EXPECT_EQ(schedule.session(2).posters, calm.session(2).posters);
+  EXPECT_NE(schedule.session(3).posters, calm.session(3).posters);
+}
+
+TEST(Schedule, RefusesSuddenSessionsThatAreNoNumbers) {
+  for (const char* text : {"3,x", "1", "2.5"}) {
+    ChangeParams p;
+    p.sudden_sessions = text;
+    EXPECT_THROW(Schedule(office(), p), base::Error) << text;
+  }
+}
+
+// The hour moves sun and lamps and nothing else; the way there does not matter.
+TEST(Schedule, SetsTheHourOfADay) {
+  Schedule s(office(), {});
+  const Appearance day = s.session(4);
+  const Appearance noon = s.atHour(day, 12), night = s.atHour(day, 23);
+  EXPECT_EQ(noon.hour, 12);
+  EXPECT_GT(noon.toSun.z(), 0.3f);
+  EXPECT_LT(night.toSun.z(), 0.0f);
+  EXPECT_GT(noon.daylight.sum(), 10 * night.daylight.sum());
+  EXPECT_EQ(noon.posters, day.posters);
+  EXPECT_EQ(noon.doorOpen, day.doorOpen);
+  EXPECT_EQ(noon.cloud, day.cloud);
+  EXPECT_EQ(std::floor(noon.stamp() / 86400), std::floor(day.stamp() / 86400));
+  EXPECT_EQ(s.atHour(night, 12).lampOn, noon.lampOn);
+  EXPECT_THROW(s.atHour(day, 24), base::Error);
+}
+
 }  // namespace
 }  // namespace engram::world

@@ -5,9 +5,11 @@
 #include "engram/base/error.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <sstream>
 
 namespace engram::world {
 namespace {
@@ -28,6 +30,22 @@ std::vector<int> choose(int n, int size, base::Rng& rng) {
   return all;
 }
 
+std::set<int> readSessions(const std::string& text) {
+  std::string list = text;
+  std::replace(list.begin(), list.end(), ',', ' ');
+  std::istringstream in(list);
+  std::set<int> sessions;
+  for (std::string word; in >> word;) {
+    int number = 0;
+    const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (status != std::errc() || end != word.data() + word.size() || number < 2)
+      throw base::Error("[change] sudden_sessions = " + text + ": '" + word +
+                        "' is no session from 2 on; give numbers such as 10,20");
+    sessions.insert(number);
+  }
+  return sessions;
+}
+
 int share(double s, std::size_t n) { return static_cast<int>(std::lround(s * static_cast<double>(n))); }
 
 }  // namespace
@@ -36,6 +54,10 @@ void ChangeParams::describe(base::Params& p) {
   p.add("poster_share", poster_share, "share of the posters replaced before each session", {0, 1});
   p.add("furniture_share", furniture_share, "share of the furniture moved before each session", {0, 1});
   p.add("door_share", door_share, "share of the doors off the route opened or closed before each session",
+        {0, 1});
+  p.add("sudden_sessions", sudden_sessions,
+        "sessions before which much changes at once, such as 10,20; empty: none");
+  p.add("sudden_share", sudden_share, "share of posters, furniture and doors that changes before those",
         {0, 1});
   p.add("days", days, "mean time between sessions [day]", {0, 365});
   p.add("people", people, "people walking about", {0, 100});
@@ -64,7 +86,7 @@ std::string Appearance::inWords() const {
 }
 
 Schedule::Schedule(const Building& building, const ChangeParams& params)
-    : building_(building), params_(params) {
+    : building_(building), params_(params), sudden_(readSessions(params.sudden_sessions)) {
   base::validate(params);
 }
 
@@ -80,6 +102,19 @@ void Schedule::setTime(Appearance& a, base::Rng rng) const {
   static constexpr double hours[]{10.5, 15.5, 20.8, 12.5, 8.3, 17.2, 21.5, 13.5};
   a.hour = params_.light ? hours[(a.session - 1) % 8] + rng.uniform(-0.5, 0.5) : 12.0;
   a.cloud = params_.light ? (a.session == 1 ? 0.25 : rng.uniform()) : 0.8;
+  setLight(a, rng);
+}
+
+Appearance Schedule::atHour(Appearance a, double hour) const {
+  if (hour < 0 || hour >= 24) throw base::Error("hour " + std::to_string(hour) + " is not in [0, 24)");
+  a.hour = hour;
+  // One stream a day: a lamp that the day's dusk switches on stays on.
+  base::Rng rng = base::Rng(building_.seed()).fork(20000 + static_cast<std::uint64_t>(a.session));
+  if (params_.light) setLight(a, rng);
+  return a;
+}
+
+void Schedule::setLight(Appearance& a, base::Rng& rng) const {
   const double year = std::fmod(kFirstDayOfYear + a.day, 365.0);
   a.season = params_.light ? static_cast<int>(std::fmod(year + 31, 365.0) / 91.25) : 2;
   const double declination =
@@ -133,14 +168,18 @@ Appearance Schedule::next(const Appearance& before) const {
   a.session = before.session + 1;
   base::Rng rng = base::Rng(building_.seed()).fork(1000 + static_cast<std::uint64_t>(a.session));
   a.day = std::floor(before.day) + std::max(1.0, std::floor(params_.days * rng.uniform(0.4, 1.6)));
-  const int posters = share(params_.poster_share, a.posters.size());
+  const bool sudden = sudden_.count(a.session) > 0;
+  const auto changed = [&](double gradual, std::size_t n) {
+    return share(sudden ? params_.sudden_share : gradual, n);
+  };
+  const int posters = changed(params_.poster_share, a.posters.size());
   for (const int i : choose(posters, static_cast<int>(a.posters.size()), rng)) {
     auto& poster = a.posters[static_cast<std::size_t>(i)];
     poster = (poster + 1 + rng.below(kPosterDesigns - 1)) % kPosterDesigns;  // never the same again
   }
   a.changedPosters = posters;
   a.movedFurniture = 0;
-  const int pieces = share(params_.furniture_share, a.furniture.size()),
+  const int pieces = changed(params_.furniture_share, a.furniture.size()),
             all = static_cast<int>(a.furniture.size());
   for (const int i : choose(all, all, rng)) {  // in random order: some have nowhere to go
     if (a.movedFurniture == pieces) break;
@@ -149,7 +188,7 @@ Appearance Schedule::next(const Appearance& before) const {
   std::vector<int> movable;
   for (std::size_t i = 0; i < a.doorOpen.size(); ++i)
     if (!building_.doors()[i].onRoute) movable.push_back(static_cast<int>(i));
-  a.changedDoors = share(params_.door_share, movable.size());
+  a.changedDoors = changed(params_.door_share, movable.size());
   for (const int i : choose(a.changedDoors, static_cast<int>(movable.size()), rng)) {
     const auto d = static_cast<std::size_t>(movable[static_cast<std::size_t>(i)]);
     a.doorOpen[d] = !a.doorOpen[d];

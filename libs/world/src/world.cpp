@@ -66,12 +66,11 @@ int Session::place(std::size_t i) const {
   return world_.route().stationAt(drive_.arcLengthAt(drive_.imageTimes()[i]));
 }
 
-std::vector<Pillar> Session::peopleAt(double t) const {
+std::vector<Pillar> walkers(const World& world, int count, std::uint64_t seed, double t, const Pose2& robot) {
   std::vector<Pillar> people;
-  const Pose2 robot = drive_.poseAt(t);
-  const Route& route = world_.route();
-  for (int i = 0; i < appearance_.people; ++i) {
-    base::Rng rng = base::Rng(seed_).fork(50 + static_cast<std::uint64_t>(i));
+  const Route& route = world.route();
+  for (int i = 0; i < count; ++i) {
+    base::Rng rng = base::Rng(seed).fork(50 + static_cast<std::uint64_t>(i));
     const double direction = rng.below(2) ? 1 : -1, speed = rng.uniform(0.5, 1.2);
     const double s = rng.uniform(0, route.length()) + direction * speed * t,
                  side = direction * rng.uniform(-0.45, -0.1);
@@ -82,8 +81,7 @@ std::vector<Pillar> Session::peopleAt(double t) const {
     q.height = static_cast<float>(rng.uniform(1.58, 1.9));
     q.heading = static_cast<float>(p.heading + (direction > 0 ? 0 : std::numbers::pi));
     q.stride = static_cast<float>(std::sin(2 * std::numbers::pi * speed * t / 1.4));
-    q.texture =
-        world_.library().people[rng.below(static_cast<std::uint32_t>(world_.library().people.size()))];
+    q.texture = world.library().people[rng.below(static_cast<std::uint32_t>(world.library().people.size()))];
     Eigen::Vector2d at(p.x - offset * std::sin(p.heading), p.y + offset * std::cos(p.heading));
     Eigen::Vector2d away = at - Eigen::Vector2d(robot.x, robot.y);
     if (const double d = away.norm(); d < kPersonalSpace)
@@ -92,6 +90,10 @@ std::vector<Pillar> Session::peopleAt(double t) const {
     people.push_back(q);
   }
   return people;
+}
+
+std::vector<Pillar> Session::peopleAt(double t) const {
+  return walkers(world_, appearance_.people, seed_, t, drive_.poseAt(t));
 }
 
 // The exposure of every image at once: it lags behind the light, so it depends on the images before.
@@ -143,10 +145,17 @@ cv::Mat renderAt(const World& world, const Appearance& appearance, const cameras
                  const Pose2& T_world_robot, int threads) {
   const Scene scene(world.building(), appearance, world.library(), threads);
   const Renderer renderer(rig, world.params().sensor);
+  return renderAt(scene, renderer, toIsometry(T_world_robot) * rig.T_robot_cam, {}, world.params().seed,
+                  threads);
+}
+
+cv::Mat renderAt(const Scene& scene, const Renderer& renderer, const Eigen::Isometry3d& T_world_cam,
+                 const std::vector<Pillar>& people, std::uint64_t seed, int threads) {
   Shot shot;
-  shot.T_world_cam = {toIsometry(T_world_robot) * rig.T_robot_cam};
-  shot.exposure = renderer.expose(renderer.meter(scene, shot.T_world_cam.front(), {}));
-  shot.seed = world.params().seed;
+  shot.T_world_cam = {T_world_cam};
+  shot.people = people;
+  shot.exposure = renderer.expose(renderer.meter(scene, T_world_cam, people));
+  shot.seed = seed;
   return renderer.render(scene, shot, threads);
 }
 

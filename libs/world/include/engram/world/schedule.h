@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,12 +17,14 @@ namespace engram::world {
 
 /// How the building changes from one session to the next. Section [change].
 struct ChangeParams {
-  double poster_share = 0.15;    ///< of the posters replaced before each session
-  double furniture_share = 0.2;  ///< of the furniture moved before each session
-  double door_share = 0.3;       ///< of the doors off the route opened or closed
-  double days = 21;              ///< mean time between sessions [day]
-  int people = 6;                ///< walking about
-  bool light = true;             ///< hour and weather change; off: every session at noon with the lamps on
+  double poster_share = 0.15;        ///< of the posters replaced before each session
+  double furniture_share = 0.2;      ///< of the furniture moved before each session
+  double door_share = 0.3;           ///< of the doors off the route opened or closed
+  std::string sudden_sessions = {};  ///< numbers of sessions before which much changes at once: "10,20"
+  double sudden_share = 0.4;         ///< of the posters, furniture and doors that changes before those
+  double days = 21;                  ///< mean time between sessions [day]
+  int people = 6;                    ///< walking about
+  bool light = true;  ///< hour and weather change; off: every session at noon with the lamps on
   void describe(base::Params& p);
 };
 
@@ -52,14 +55,19 @@ class Schedule {
   Schedule(const Building& building, const ChangeParams& params);
   /// @param number from 1
   const Appearance& session(int number);
+  /// The same day at another hour [h]: sun, daylight and lamps follow; `cloud` and all else stay. Without
+  /// ChangeParams::light only the hour changes.
+  Appearance atHour(Appearance appearance, double hour) const;
 
  private:
   Appearance opening() const;
   Appearance next(const Appearance& before) const;
   void setTime(Appearance& a, base::Rng rng) const;
+  void setLight(Appearance& a, base::Rng& rng) const;
 
   const Building& building_;
   ChangeParams params_;
+  std::set<int> sudden_;  // sessions
   std::vector<Appearance> sessions_;
 };
 

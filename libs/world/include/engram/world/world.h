@@ -103,6 +103,12 @@ class Session {
 /// The picture of one camera at a pose, as a session would take it.
 cv::Mat renderAt(const World& world, const Appearance& appearance, const cameras::CameraRig& rig,
                  const Pose2& T_world_robot, int threads = 1);
+/// The same with people in it, by a renderer at hand. @param seed of the noise
+cv::Mat renderAt(const Scene& scene, const Renderer& renderer, const Eigen::Isometry3d& T_world_cam,
+                 const std::vector<Pillar>& people, std::uint64_t seed, int threads = 1);
+
+/// People who walk along the route, some time after they set out [s]; they step aside for the robot.
+std::vector<Pillar> walkers(const World& world, int people, std::uint64_t seed, double t, const Pose2& robot);
 
 /// The frames of a session as a source.
 class WorldSource : public sources::FrameSource {
