@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "../vocabulary/make_descriptors.h"
 #include "engram/vocabulary/bag_of_words.h"
+#include "engram/vocabulary/word_index.h"
 
 #include <benchmark/benchmark.h>
+
+#include <chrono>
 
 namespace engram::vocabulary {
 namespace {
@@ -40,6 +43,101 @@ BENCHMARK(rebuildBagOfWords)
     ->Arg(8)
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
+
+using types::DescriptorKind;
+using types::Descriptors;
+
+/// Descriptors of images come in clusters: rows around 2000 centres.
+class Rows {
+ public:
+  explicit Rows(DescriptorKind kind)
+      : binary_(kind == DescriptorKind::kBinary),
+        centres_(randomRows(kind, 2000, binary_ ? 256 : 64, rng_)) {}
+  Descriptors none() const { return Descriptors(centres_.kind(), centres_.dim()); }
+  void appendNew(Descriptors& out) {
+    appendSeenAgain(out, centres_, rng_.below(2000), binary_ ? 0.2 : 0.7, rng_);
+  }
+  void appendAgain(Descriptors& out, const Descriptors& rows, std::size_t i) {
+    appendSeenAgain(out, rows, i, binary_ ? 0.07 : 0.22, rng_);
+  }
+  base::Rng& rng() { return rng_; }
+
+ private:
+  base::Rng rng_{3};
+  bool binary_;
+  Descriptors centres_;
+};
+
+/// A map of so many words in places of 600, with one view each.
+struct Grown {
+  WordIndex words{{}};
+  Descriptors rows;
+
+  Grown(Rows& source, std::size_t size) : rows(source.none()) {
+    for (std::uint32_t place = 0; rows.size() < size; ++place) {
+      Descriptors image = source.none();
+      for (int i = 0; i < 600; ++i) source.appendNew(image);
+      words.learn(base::PlaceId(place), base::ViewId(place), image, std::vector<WordMatch>(600));
+      for (std::size_t i = 0; i < image.size(); ++i) rows.append(image.row(i));
+    }
+  }
+};
+
+/// One image of 600 features, half of them seen before: recognised, then learnt. `recall`: share of those
+/// seen before that find their word. Arguments: kind, words in the map.
+void recogniseAndLearn(benchmark::State& state) {
+  Rows source(static_cast<DescriptorKind>(state.range(0)));
+  Grown map(source, static_cast<std::size_t>(state.range(1)));
+  const auto view = base::ViewId(static_cast<std::uint32_t>(map.words.index().views().size()));
+  double right = 0, lookup = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    Descriptors image = source.none();
+    std::vector<std::size_t> truth;
+    for (int i = 0; i < 300; ++i) {
+      truth.push_back(source.rng().below(static_cast<std::uint32_t>(map.rows.size())));
+      source.appendAgain(image, map.rows, truth.back());
+      source.appendNew(image);
+    }
+    state.ResumeTiming();
+    const auto begin = std::chrono::steady_clock::now();
+    const auto seen = map.words.recognise(image);
+    lookup += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    map.words.learn(base::PlaceId(view.value), view, image, seen.matches);
+    state.PauseTiming();
+    map.words.removeView(view);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const auto& word = seen.matches[2 * i];
+      right += word.found() && distanceOf(image, 2 * i, map.rows, truth[i]) >= word.distance - 1e-4f;
+    }
+    state.ResumeTiming();
+  }
+  const auto images = static_cast<double>(state.iterations());
+  state.counters["recall"] = right / (300 * images);
+  state.counters["recognise_ms"] = lookup / images;
+  state.counters["words"] = static_cast<double>(map.words.dictionary().size());
+}
+BENCHMARK(recogniseAndLearn)
+    ->ArgNames({"kind", "words"})
+    ->ArgsProduct({{static_cast<int>(DescriptorKind::kInt8), static_cast<int>(DescriptorKind::kBinary)},
+                   {10000, 100000, 1000000}})
+    ->Iterations(20)
+    ->Unit(benchmark::kMillisecond);
+
+/// A map of so many words to bytes and back.
+void serialise(benchmark::State& state) {
+  Rows source(DescriptorKind::kInt8);
+  const Grown map(source, static_cast<std::size_t>(state.range(0)));
+  std::size_t bytes = 0;
+  for (auto _ : state) {
+    const auto blob = map.words.serialised();
+    bytes = blob.size();
+    benchmark::DoNotOptimize(WordIndex::parse(blob));
+  }
+  state.counters["bytes_per_word"] =
+      static_cast<double>(bytes) / static_cast<double>(map.words.dictionary().size());
+}
+BENCHMARK(serialise)->ArgNames({"words"})->Arg(100000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace engram::vocabulary

@@ -143,8 +143,7 @@ TEST_P(Dictionary, FindsWordsSeenAgainWithFewComparisons) {
   const auto matches = dictionary.lookup(queries);
   for (std::size_t i = 0; i < 400; ++i)
     right += matches[i].word == WordId(static_cast<std::uint32_t>(20 * i));
-  // The majority bits of a cluster say less about it than a mean does.
-  EXPECT_GE(right, binary ? 300 : 380) << "of 400, with a tenth of the comparisons";
+  EXPECT_GE(right, 380) << "of 400, with a tenth of the comparisons";
 }
 
 TEST_P(Dictionary, IsDeterministic) {

@@ -18,6 +18,8 @@ using base::WordId;
 using types::DescriptorKind;
 using types::Descriptors;
 
+constexpr std::size_t kLevelShare = 5;  // of the budget: a level of the tree; the leaves get all of it
+
 const char* nameOf(DescriptorKind kind) {
   return kind == DescriptorKind::kBinary ? "bits" : kind == DescriptorKind::kInt8 ? "bytes" : "floats";
 }
@@ -33,20 +35,6 @@ void WordParams::describe(base::Params& p) {
   p.add("leaf_size", leaf_size, "words of one leaf of the search tree", {8, 65536});
   p.add("branching", branching, "children of one inner node of it", {4, 65536});
 }
-
-/// Scratch memory of searches, one after another.
-struct WordDictionary::Search {
-  struct Branch {
-    float distance;
-    std::uint32_t order;  // of discovery: breaks ties without a look at node numbers, which a file forgets
-    std::uint32_t node;
-    bool operator<(const Branch& o) const {  // for a heap with the nearest on top
-      return distance != o.distance ? distance > o.distance : order > o.order;
-    }
-  };
-  std::vector<Branch> heap;
-  std::vector<float> distances;
-};
 
 WordDictionary::WordDictionary(const WordParams& params) : params_(params) { base::validate(params); }
 
@@ -83,40 +71,22 @@ std::vector<WordMatch> WordDictionary::lookup(const Descriptors& descriptors, in
 }
 
 WordMatch WordDictionary::nearest(const std::byte* query, Search& search) const {
-  auto& [heap, distances] = search;
-  distances.resize(static_cast<std::size_t>(std::max(params_.leaf_size, params_.branching)) + 1);
-  const std::size_t budget = params_.checks == 0 ? std::numeric_limits<std::size_t>::max()
-                                                 : static_cast<std::size_t>(params_.checks);
+  const auto budget = params_.checks == 0 ? std::numeric_limits<std::size_t>::max()
+                                          : static_cast<std::size_t>(params_.checks);
+  nearestLeaves(query, budget / kLevelShare, search);
   float best = std::numeric_limits<float>::infinity();
-  std::uint32_t word = kNone, order = 0;
-  std::size_t compared = 0;
-  heap.assign(1, {0.0f, order++, root_});
-  while (!heap.empty() && compared < budget) {
-    std::pop_heap(heap.begin(), heap.end());
-    std::uint32_t at = heap.back().node;
-    heap.pop_back();
-    while (!nodes_[at].leaf) {  // down the nearest branch; the others wait
-      const Node& node = nodes_[at];
-      distancesTo(query, node.rows, distances.data());
-      compared += node.ids.size();
-      const auto end = distances.begin() + static_cast<std::ptrdiff_t>(node.ids.size());
-      const auto nearestOne =
-          static_cast<std::size_t>(std::min_element(distances.begin(), end) - distances.begin());
-      for (std::size_t i = 0; i < node.ids.size(); ++i) {
-        if (i == nearestOne) continue;
-        heap.push_back({distances[i], order++, node.ids[i]});
-        std::push_heap(heap.begin(), heap.end());
-      }
-      at = node.ids[nearestOne];
-    }
-    const Node& leaf = nodes_[at];
-    distancesTo(query, leaf.rows, distances.data());
+  std::uint32_t word = kNone;
+  for (std::size_t b = 0, compared = 0; b < search.beam.size() && compared < budget; ++b) {
+    const Node& leaf = nodes_[search.beam[b].node];
+    search.distances.resize(leaf.ids.size());
+    distancesTo(query, leaf.rows, search.distances.data());
     compared += leaf.ids.size();
-    for (std::size_t i = 0; i < leaf.ids.size(); ++i)
-      if (distances[i] < best || (distances[i] == best && leaf.ids[i] < word)) {
-        best = distances[i];
-        word = leaf.ids[i];
-      }
+    for (std::size_t i = 0; i < leaf.ids.size(); ++i) {
+      const float d = search.distances[i];
+      if (d > best || (d == best && leaf.ids[i] > word)) continue;
+      best = d;
+      word = leaf.ids[i];
+    }
   }
   const float distance = scaled(best);
   return {isNear(distance) ? WordId(word) : WordId(), distance};

@@ -16,6 +16,9 @@ namespace {
 
 using types::Descriptors;
 
+constexpr std::size_t kBeamShare = 4;  // children compared for each one kept: nodes are seldom less full
+constexpr int kInsertNodes = 2;        // opened in each level to find the leaf of a new word
+
 /// Overwrites row i by the last one, in both arrays.
 void eraseUnordered(std::vector<std::uint32_t>& ids, Descriptors& rows, std::size_t i) {
   const std::size_t last = ids.size() - 1;
@@ -54,16 +57,35 @@ void WordDictionary::adopt(std::uint32_t n) {
   }
 }
 
+/// Down the tree, level by level. Of each level the nodes nearest to the query are opened, until `most`
+/// children have been compared; the beam ends as leaves, nearest first. Whole levels are ranked, not branches
+/// of several levels against each other: a small cluster is nearer to the query than the large one that holds
+/// the answer.
+void WordDictionary::nearestLeaves(const std::byte* query, std::size_t most, Search& search) const {
+  auto& [beam, next, distances] = search;
+  beam.assign(1, {0.0f, 0, root_});
+  while (!nodes_[beam.front().node].leaf) {
+    next.clear();
+    for (const Branch& b : beam) {
+      const Node& node = nodes_[b.node];
+      distances.resize(node.ids.size());
+      distancesTo(query, node.rows, distances.data());
+      for (std::size_t i = 0; i < node.ids.size(); ++i)
+        next.push_back({distances[i], static_cast<std::uint32_t>(next.size()), node.ids[i]});
+      if (next.size() >= most) break;
+    }
+    const std::size_t kept = std::min(next.size(), most / kBeamShare + 1);
+    std::partial_sort(next.begin(), next.begin() + static_cast<std::ptrdiff_t>(kept), next.end());
+    next.resize(kept);
+    beam.swap(next);
+  }
+}
+
 void WordDictionary::insert(std::uint32_t word, std::span<const std::byte> row) {
   if (root_ == kNone) root_ = newNode(true);
-  std::vector<float> distances;
-  std::uint32_t at = root_;
-  while (!nodes_[at].leaf) {
-    distances.resize(nodes_[at].ids.size());
-    distancesTo(row.data(), nodes_[at].rows, distances.data());
-    const auto nearestOne = std::min_element(distances.begin(), distances.end()) - distances.begin();
-    at = nodes_[at].ids[static_cast<std::size_t>(nearestOne)];
-  }
+  Search search;
+  nearestLeaves(row.data(), static_cast<std::size_t>(kInsertNodes * params_.branching), search);
+  const std::uint32_t at = search.beam.front().node;
   nodes_[at].ids.push_back(word);
   nodes_[at].rows.append(row);
   leafOf_[base::WordId(word)] = at;

@@ -19,9 +19,9 @@ struct WordParams {
   double max_distance = 0.3;
   /// The same as share of differing bits, for binary descriptors.
   double max_bits = 0.15;
-  int checks = 2048;    ///< descriptors a feature is compared with, about; 0 compares with all words
-  int leaf_size = 128;  ///< words of one leaf of the search tree
-  int branching = 32;   ///< children of one inner node
+  int checks = 2048;   ///< descriptors a feature is compared with, about; 0 compares with all words
+  int leaf_size = 64;  ///< words of one leaf of the search tree
+  int branching = 64;  ///< children of one inner node
 
   void describe(base::Params& p);
   bool operator==(const WordParams&) const = default;
@@ -41,8 +41,8 @@ struct WordMatch {
 ///
 /// Words are kept in a height-balanced tree of clusters, a K-tree (Geva 2000): leaves hold words, inner nodes
 /// the means of their children (majority bits of binary ones), and a full node is split in two by 2-means.
-/// Search goes down to the nearest leaf, then to the next nearest branch left aside, until `checks`
-/// descriptors have been compared: the cost of a lookup grows with the logarithm of the size, and the
+/// Search goes down with a beam of the nearest nodes of each level and then through the nearest leaves, until
+/// `checks` words have been compared: the cost of a lookup grows with the logarithm of the size, and the
 /// nearest word is found almost always rather than always. All steps are deterministic.
 class WordDictionary {
  public:
@@ -70,18 +70,28 @@ class WordDictionary {
 
  private:
   friend class WordIndexCodec;
+  static constexpr std::uint32_t kNone = base::WordId::kInvalid;
   struct Node {
     std::uint32_t parent = kNone;
     bool leaf = true;
     std::vector<std::uint32_t> ids;  // words of a leaf, children of an inner node
     types::Descriptors rows;         // parallel: words, means of the children
   };
-  struct Search;
-  static constexpr std::uint32_t kNone = base::WordId::kInvalid;
+  struct Branch {
+    float distance = 0;
+    std::uint32_t order = 0;  // breaks ties; numbers of nodes must not matter, for a file forgets them
+    std::uint32_t node = kNone;
+    auto operator<=>(const Branch&) const = default;
+  };
+  struct Search {  // memory of one search, kept for the next
+    std::vector<Branch> beam, next;
+    std::vector<float> distances;
+  };
 
   types::Descriptors converted(const types::Descriptors& descriptors) const;
   float scaled(float raw) const;
   bool isNear(float distance) const;
+  void nearestLeaves(const std::byte* query, std::size_t most, Search& search) const;
   WordMatch nearest(const std::byte* query, Search& search) const;
   void insert(std::uint32_t word, std::span<const std::byte> row);
   void split(std::uint32_t node);
