@@ -45,14 +45,6 @@ map::TopologicalMap makeMap(const memory::MemoryModel& model, const std::vector<
   return map;
 }
 
-void meanAndSigma(const std::vector<double>& values, double& mean, double& sigma) {
-  mean = sigma = 0.0;
-  const double n = std::max<double>(1.0, static_cast<double>(values.size()));
-  for (const double v : values) mean += v / n;
-  for (const double v : values) sigma += (v - mean) * (v - mean) / n;
-  sigma = std::sqrt(sigma);
-}
-
 /// A memory model behind the localiser of the product.
 class MemoryContender : public Contender {
  public:
@@ -79,17 +71,9 @@ class MemoryContender : public Contender {
   }
 
   Holdings holdings() const override {
-    Holdings h;
-    std::vector<double> longTerm, shortTerm;
-    for (const auto& [id, place] : map_.places()) {
-      longTerm.push_back(static_cast<double>(place.memory.longTerm().size()));
-      shortTerm.push_back(static_cast<double>(place.memory.features.size()) - longTerm.back());
-      h.bytesPerPlace += static_cast<double>(store::storedBytes(place.memory));
-    }
-    meanAndSigma(longTerm, h.longTerm, h.longTermSigma);
-    meanAndSigma(shortTerm, h.shortTerm, h.shortTermSigma);
-    h.bytesPerPlace /= static_cast<double>(map_.places().size());
-    return h;
+    std::vector<const memory::PlaceMemory*> memories;
+    for (const auto& [id, place] : map_.places()) memories.push_back(&place.memory);
+    return holdingsOf(memories);
   }
 
   const map::TopologicalMap& map() const override { return map_; }

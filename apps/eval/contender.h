@@ -7,6 +7,7 @@
 #include "engram/pipeline/recogniser.h"
 #include "engram/types/features.h"
 #include "engram/types/frame.h"
+#include "holdings.h"
 
 #include <functional>
 #include <memory>
@@ -19,13 +20,6 @@ namespace engram::apps {
 struct LearnView {
   types::Frame frame;  ///< stamp and odometry; the image is not looked at
   types::Features features;
-};
-
-/// What a contender's places hold.
-struct Holdings {
-  double longTerm = 0, shortTerm = 0;            ///< features a place, mean
-  double longTermSigma = 0, shortTermSigma = 0;  ///< over the places
-  double bytesPerPlace = 0;                      ///< as stored in a map file
 };
 
 /// What became of one drive that was learnt from.

@@ -14,7 +14,8 @@ std::string EvalProgram::examples() const {
          "  engram-eval memory --out lab_quick --quick\n"
          "  engram-eval memory --out lab_7 --seed 7 --set fsh.prune_view=3\n"
          "  engram-eval images --config config/fsh_mono.ini --reference day_left --query day_right "
-         "--truth truth.csv --out gardens\n";
+         "--truth truth.csv --out gardens\n"
+         "  engram-eval tours --out tours --json tours.json\n";
 }
 
 void EvalProgram::declare(CLI::App& app) {
@@ -24,9 +25,12 @@ void EvalProgram::declare(CLI::App& app) {
                                       "static, replace, over months of change"));
   imagesApp_ = app.add_subcommand("images", "The same memories on two real traversals of one way");
   images_.declare(*imagesApp_);
+  toursApp_ = app.add_subcommand("tours", "Two months of tours: adaptive memories against a static one");
+  tours_.declare(*toursApp_);
 }
 
 int EvalProgram::run(std::ostream& out, std::ostream& err) {
+  if (toursApp_->parsed()) return tours_.run(out, err);
   return imagesApp_->parsed() ? images_.run(out, err) : memory_.run(out, err);
 }
 

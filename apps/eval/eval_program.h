@@ -5,6 +5,7 @@
 #include "engram/apps/program.h"
 #include "images_command.h"
 #include "memory_command.h"
+#include "tours_command.h"
 
 namespace engram::apps {
 
@@ -21,6 +22,8 @@ class EvalProgram : public Program {
   MemoryCommand memory_;
   ImagesCommand images_;
   CLI::App* imagesApp_ = nullptr;
+  ToursCommand tours_;
+  CLI::App* toursApp_ = nullptr;
 };
 
 }  // namespace engram::apps

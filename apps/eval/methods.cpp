@@ -34,6 +34,11 @@ std::vector<Method> comparedMethods(const pipeline::PipelineParams& pipeline, in
   return methods;
 }
 
+std::vector<Method> touredMethods(const pipeline::PipelineParams& pipeline) {
+  return {multiStore(pipeline, 2, 8), multiStore(pipeline, 3, 8), memoryMethod("fsh", pipeline, "fsh"),
+          memoryMethod("static", pipeline, "static"), memoryMethod("replace", pipeline, "replace")};
+}
+
 std::vector<Method> sweptMethods(const pipeline::PipelineParams& pipeline) {
   std::vector<Method> methods;
   for (int age = 1; age <= 7; ++age) {
