@@ -57,10 +57,12 @@ class MemoryContender : public Contender {
     for (std::size_t i = 0; i < drive.size(); ++i) {
       const types::FrameReport report = localizer.process(drive[i].frame, drive[i].features);
       ++result.views;
-      if (report.memory.longTerm == 0) continue;
-      ++result.learnt;
+      if (report.outcome != types::Outcome::kRecognised) continue;
+      ++result.accepted;
       result.wrong += !isRight(i, report.place);
+      result.learnt += static_cast<int>(report.learnt.size());
     }
+    result.learnt += static_cast<int>(localizer.finish().size());
     map_ = std::move(localizer.map());
     recogniser_ = fresh();
     return result;
@@ -113,6 +115,7 @@ class BagContender : public Contender {
         if (filter.neighbourhoodMass(hypothesis.place) < params_.belief.accept_threshold) continue;
         if (!confirmed(drive[i].features, bestView(drive[i].features, hypothesis.place))) continue;
         added.push_back({hypothesis.place, whole_.start(drive[i].features)});
+        ++result.accepted;
         ++result.learnt;
         result.wrong += !isRight(i, hypothesis.place);
         break;

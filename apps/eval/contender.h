@@ -25,8 +25,9 @@ struct LearnView {
 /// What became of one drive that was learnt from.
 struct Learning {
   int views = 0;
-  int learnt = 0;
-  int wrong = 0;  ///< of those, at a wrong place
+  int accepted = 0;  ///< localised with enough evidence to learn from
+  int wrong = 0;     ///< of the accepted, at a wrong place
+  int learnt = 0;    ///< updates of a place
 };
 
 /// A way of remembering places, under test. All contenders see the same views, localise with the same belief

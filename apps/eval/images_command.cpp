@@ -37,12 +37,13 @@ std::vector<LearnView> every(const std::vector<LearnView>& views, std::size_t pa
 
 std::string toCsv(const std::vector<ImagesResult>& results) {
   std::string csv =
-      "method,single_before,single_after,filtered_before,filtered_after,learnt,wrong,bytes_per_place\n";
+      "method,single_before,single_after,filtered_before,filtered_after,accepted,wrong,learnt,bytes_per_"
+      "place\n";
   char line[256];
   for (const auto& r : results) {
-    std::snprintf(line, sizeof line, "%s,%.4f,%.4f,%.4f,%.4f,%d,%d,%.0f\n", r.method.c_str(),
+    std::snprintf(line, sizeof line, "%s,%.4f,%.4f,%.4f,%.4f,%d,%d,%d,%.0f\n", r.method.c_str(),
                   r.singleBefore.value, r.singleAfter.value, r.filteredBefore.value, r.filteredAfter.value,
-                  r.learning.learnt, r.learning.wrong, r.holdings.bytesPerPlace);
+                  r.learning.accepted, r.learning.wrong, r.learning.learnt, r.holdings.bytesPerPlace);
     csv += line;
   }
   return csv;
@@ -59,8 +60,9 @@ nlohmann::json toJson(const std::vector<ImagesResult>& results) {
                     {"single_after", share(r.singleAfter)},
                     {"filtered_before", share(r.filteredBefore)},
                     {"filtered_after", share(r.filteredAfter)},
+                    {"accepted", r.learning.accepted},
+                    {"accepted_wrong", r.learning.wrong},
                     {"learnt", r.learning.learnt},
-                    {"learnt_wrong", r.learning.wrong},
                     {"bytes_per_place", r.holdings.bytesPerPlace}});
   return list;
 }
@@ -69,7 +71,7 @@ void print(const std::vector<ImagesResult>& results, std::ostream& out) {
   out << "% right of the images not learnt from [95 % interval]:\n"
          "method             single before         single after          filtered before       filtered "
          "after  "
-         "      learnt (wrong)  kB a place\n";
+         "    accepted (wrong)  learnt  kB a place\n";
   char line[256];
   const auto cell = [](const evaluation::Interval& i) {
     char text[64];
@@ -77,9 +79,9 @@ void print(const std::vector<ImagesResult>& results, std::ostream& out) {
     return std::string(text);
   };
   for (const auto& r : results) {
-    std::snprintf(line, sizeof line, "%-17s %s  %s  %s  %s  %6d (%d)  %10.1f\n", r.method.c_str(),
+    std::snprintf(line, sizeof line, "%-17s %s  %s  %s  %s  %8d (%2d)  %10d  %10.1f\n", r.method.c_str(),
                   cell(r.singleBefore).c_str(), cell(r.singleAfter).c_str(), cell(r.filteredBefore).c_str(),
-                  cell(r.filteredAfter).c_str(), r.learning.learnt, r.learning.wrong,
+                  cell(r.filteredAfter).c_str(), r.learning.accepted, r.learning.wrong, r.learning.learnt,
                   r.holdings.bytesPerPlace / 1000);
     out << line;
   }

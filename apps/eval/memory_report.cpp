@@ -155,18 +155,20 @@ void addMemory(Page& page, const MemoryReport& report) {
 void addLearning(Page& page, const MemoryReport& report) {
   exporters::Table table;
   table.caption =
-      "What was learnt in all updates: views offered, views that localisation accepted and the "
-      "geometry confirmed, and those of them learnt at a wrong place (more than one away)";
-  table.header = {"method", "views", "learnt", "wrong"};
+      "All updates together: views offered, views that were accepted with the consent of the geometry, "
+      "those of them at a wrong place (more than one away), and updates of a place that followed";
+  table.header = {"method", "views", "accepted", "wrong", "learnt"};
   table.rowHeads = true;
   for (const MethodRun& run : report.runs) {
     Learning sum;
     for (const auto& u : run.updates) {
       sum.views += u.learning.views;
-      sum.learnt += u.learning.learnt;
+      sum.accepted += u.learning.accepted;
       sum.wrong += u.learning.wrong;
+      sum.learnt += u.learning.learnt;
     }
-    table.rows.push_back({run.method, Cell(sum.views, 0), Cell(sum.learnt, 0), Cell(sum.wrong, 0)});
+    table.rows.push_back(
+        {run.method, Cell(sum.views, 0), Cell(sum.accepted, 0), Cell(sum.wrong, 0), Cell(sum.learnt, 0)});
   }
   page.table(table);
 }

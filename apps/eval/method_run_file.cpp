@@ -35,8 +35,9 @@ json toJson(const UpdateState& u) {
           {"short_term_sigma", u.holdings.shortTermSigma},
           {"bytes_per_place", u.holdings.bytesPerPlace},
           {"views", u.learning.views},
-          {"learnt", u.learning.learnt},
-          {"wrong", u.learning.wrong}};
+          {"accepted", u.learning.accepted},
+          {"wrong", u.learning.wrong},
+          {"learnt", u.learning.learnt}};
 }
 
 UpdateState updateFrom(const json& j) {
@@ -44,7 +45,8 @@ UpdateState updateFrom(const json& j) {
   u.holdings = {j.at("long_term").get<double>(), j.at("short_term").get<double>(),
                 j.at("long_term_sigma").get<double>(), j.at("short_term_sigma").get<double>(),
                 j.at("bytes_per_place").get<double>()};
-  u.learning = {j.at("views").get<int>(), j.at("learnt").get<int>(), j.at("wrong").get<int>()};
+  u.learning = {j.at("views").get<int>(), j.at("accepted").get<int>(), j.at("wrong").get<int>(),
+                j.at("learnt").get<int>()};
   return u;
 }
 

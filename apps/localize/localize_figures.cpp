@@ -66,7 +66,7 @@ void LocalizeFigures::add(const types::FrameReport& report) {
   }
   results_.push_back(result);
   accepted_ += result.accepted;
-  adapted_ += report.memory.longTerm + report.memory.shortTerm > 0;
+  learnt_ += report.learnt.size();
 
   const auto id = [](base::PlaceId p) { return p.valid() ? std::to_string(p.value) : std::string(); };
   const types::Hypothesis best = report.hypotheses.empty() ? types::Hypothesis{} : report.hypotheses.front();
@@ -94,7 +94,7 @@ nlohmann::json LocalizeFigures::toJson() const {
   nlohmann::json j = {{"images", images()},
                       {"queries", truth_ ? s.queries : images()},
                       {"accepted", truth_ ? s.accepted : accepted_},
-                      {"adapted", adapted_},
+                      {"adapted", learnt_},
                       {"ms_per_image", spread(s.milliseconds)},
                       {"peak_rss_bytes", peakResidentBytes()}};
   for (const char* key :
@@ -115,7 +115,7 @@ nlohmann::json LocalizeFigures::toJson() const {
 void LocalizeFigures::print(std::ostream& out) const {
   const evaluation::LocalisationScore s = evaluation::score(results_);
   out << images() << " images, " << accepted_ << " accepted";
-  if (adapted_ > 0) out << ", " << adapted_ << " learnt from";
+  if (learnt_ > 0) out << ", " << learnt_ << " learnt from";
   out << "\n";
   if (truth_) {
     out << "  of " << s.queries << " with truth: " << s.accepted << " accepted, " << s.right << " right, "

@@ -21,6 +21,8 @@ class LocalizeFigures {
   LocalizeFigures(const map::TopologicalMap& map, const MapTruth* truth) : map_(map), truth_(truth) {}
 
   void add(const types::FrameReport& report);
+  /// Places that learnt after the last image.
+  void addLearnt(std::size_t places) { learnt_ += places; }
   int images() const { return static_cast<int>(results_.size()); }
 
   /// One line an image: index, stamp, label, outcome, place and best guess with the images that made them,
@@ -41,7 +43,8 @@ class LocalizeFigures {
   const map::TopologicalMap& map_;
   const MapTruth* truth_;
   std::vector<evaluation::LocalisationResult> results_;
-  int accepted_ = 0, adapted_ = 0;
+  int accepted_ = 0;
+  std::size_t learnt_ = 0;
   std::string csv_ = csvHeader();
 };
 

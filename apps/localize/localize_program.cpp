@@ -88,7 +88,11 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     progress.update(source->progress(), static_cast<std::size_t>(figures.images()));
   }
   progress.finish();
-  if (adapt_) file->close();
+  if (adapt_) {
+    figures.addLearnt(localizer.finish().size());
+    file->commit(localizer.map(), localizer.map().takeChanges(), nullptr);
+    file->close();
+  }
   return conclude(figures, records, *source, out, err);
 }
 

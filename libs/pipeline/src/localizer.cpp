@@ -57,6 +57,7 @@ types::FrameReport Localizer::locate(Work& work) {
 }
 
 void Localizer::restart() {
+  finish();
   recogniser_.load(map_);
   last_ = {};
   agreeing_ = 0;
@@ -135,13 +136,46 @@ bool Localizer::agreesWithMotion(base::PlaceId place) const {
 /// one wrong answer that is learnt makes the next one look right. A standing robot learns once.
 void Localizer::remember(Work& work) {
   const StepTimer timer(work.report, "remember");
+  learnDistant(work.report);
   if (!work.accepted || agreeing_ < params_.recognise.learn_after || !gate_.open()) return;
   if (reckoning_.known() && sinceLearning_ < params_.select.min_distance) return;
-  const types::Features view = inPlaceFrame(work.features, work.accepted->R_place_view);
-  work.report.memory = map_.remember(work.report.place, *memory_, view, work.accepted->matches);
-  recogniser_.placeChanged(map_.place(work.report.place));
+  lessons_.push_back({work.report.place, std::move(work.features)});
   sinceLearning_ = 0.0;
   gate_.learnt();
+}
+
+/// A place learns when the robot has left its surroundings. Images in a row resemble each other more than any
+/// remembered view: a place that learnt at once would go on being the best match as the robot drives away,
+/// learn again, and draw to itself what belongs to its neighbours.
+void Localizer::learnDistant(types::FrameReport& report) {
+  if (lessons_.empty() || !last_.valid()) return;
+  const auto near = map_.hopDistances(last_, params_.recognise.learn_hops);
+  std::vector<Lesson> kept;
+  for (Lesson& lesson : lessons_) {
+    if (near.count(lesson.place))
+      kept.push_back(std::move(lesson));
+    else
+      learn(lesson, report);
+  }
+  lessons_ = std::move(kept);
+}
+
+/// The view is matched again: the place may have learnt since.
+void Localizer::learn(const Lesson& lesson, types::FrameReport& report) {
+  const PlaceMatch match =
+      matchToPlace(lesson.view, map_.place(lesson.place).memory, params_.match, params_.verify);
+  if (!strongEnough(match, params_.recognise)) return;
+  report.memory +=
+      map_.remember(lesson.place, *memory_, inPlaceFrame(lesson.view, match.R_place_view), match.matches);
+  report.learnt.push_back(lesson.place);
+  recogniser_.placeChanged(map_.place(lesson.place));
+}
+
+std::vector<base::PlaceId> Localizer::finish() {
+  types::FrameReport report;
+  for (const Lesson& lesson : lessons_) learn(lesson, report);
+  lessons_.clear();
+  return report.learnt;
 }
 
 }  // namespace engram::pipeline

@@ -211,6 +211,7 @@ void Mapper::remember(Work& work) {
   const auto& [id, match] = *work.accepted;
   gate_.accepted(id);
   if (gate_.open()) {
+    work.report.learnt = {id};
     work.report.memory =
         map_.remember(id, *memory_, inPlaceFrame(work.features, match.R_place_view), match.matches);
     recogniser_.placeChanged(map_.place(id));
@@ -249,6 +250,7 @@ void Mapper::addPlace(Work& work) {
   work.report.memory.shortTerm = static_cast<int>(place.memory.features.size()) - work.report.memory.longTerm;
   work.report.memory.added = static_cast<int>(place.memory.features.size());
   work.report.place = edge.b = map_.addPlace(std::move(place));
+  work.report.learnt = {edge.b};
   addView(work, edge.b, params_.place.keep_thumbnails);
   gate_.accepted(edge.b);
   gate_.learnt();

@@ -35,6 +35,8 @@ void RecogniseParams::describe(base::Params& p) {
         {0, 1});
   p.add("accept_similarity", accept_similarity, "similarity over verified matches that acceptance needs",
         {0, 1});
+  p.add("learn_hops", learn_hops,
+        "while localising, a place learns when the robot is more than so many edges away from it", {0, 1000});
   p.add("learn_after", learn_after,
         "localising: accepted images in a row that agree with odometry before a place learns", {1, 1000});
   p.add("threads", threads, "threads of the search; the result does not depend on it", {1, 64});

@@ -4,6 +4,17 @@
 
 namespace engram::types {
 
+MemoryChange& MemoryChange::operator+=(const MemoryChange& o) {
+  rehearsed += o.rehearsed;
+  added += o.added;
+  pruned += o.pruned;
+  promoted += o.promoted;
+  demoted += o.demoted;
+  longTerm += o.longTerm;
+  shortTerm += o.shortTerm;
+  return *this;
+}
+
 const char* toString(Outcome outcome) {
   switch (outcome) {
     case Outcome::kSkipped:

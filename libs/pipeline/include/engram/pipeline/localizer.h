@@ -32,6 +32,9 @@ class Localizer {
   /// The robot is lost: every place is equally likely again, and how it got here says nothing.
   void restart();
 
+  /// To be called at the end of a drive: the last places learn what they were seen to look like.
+  std::vector<base::PlaceId> finish();
+
   const map::TopologicalMap& map() const { return map_; }
   map::TopologicalMap& map() { return map_; }
   /// What this configuration asks of a map.
@@ -39,6 +42,11 @@ class Localizer {
 
  private:
   struct Work;
+  /// A view that a place is to learn once the robot has left its surroundings.
+  struct Lesson {
+    base::PlaceId place;
+    types::Features view;
+  };
 
   bool perceive(Work& work);
   types::FrameReport locate(Work& work);
@@ -47,6 +55,8 @@ class Localizer {
   void verify(Work& work);
   void follow(Work& work);
   void remember(Work& work);
+  void learnDistant(types::FrameReport& report);
+  void learn(const Lesson& lesson, types::FrameReport& report);
   bool believable(base::PlaceId place, const PlaceMatch& match) const;
   bool agreesWithMotion(base::PlaceId place) const;
 
@@ -60,6 +70,7 @@ class Localizer {
   double sinceLast_ = 0.0;      // [m] travelled since
   bool restarted_ = false;      // since the last image
   double sinceLearning_ = 0.0;  // [m] travelled since a place last learnt
+  std::vector<Lesson> lessons_;  // in the order of their images
   int agreeing_ = 0;            // accepted images in a row that agree with the motion between them
   map::TopologicalMap map_;
   bool adapt_;

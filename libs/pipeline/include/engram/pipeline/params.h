@@ -47,6 +47,7 @@ struct RecogniseParams {
       0.35;  ///< new_place_similarity while mapping: what unlike places of a building share
   double accept_similarity = 0.2;  ///< F eq (8) with verified matches that acceptance needs
   int learn_after = 3;  ///< accepted images in a row that agree with odometry before a place learns (F-E16)
+  int learn_hops = 6;   ///< a place learns when the robot is more than so many edges away from it
   int threads = 1;      ///< the result does not depend on it
 
   void describe(base::Params& p);

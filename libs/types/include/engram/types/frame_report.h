@@ -29,10 +29,12 @@ struct Hypothesis {
   int inliers = -1;         ///< after geometric verification; -1 where none was run
 };
 
-/// What the memory of one place gained and lost.
+/// What memory gained and lost.
 struct MemoryChange {
   int rehearsed = 0, added = 0, pruned = 0, promoted = 0, demoted = 0;
   int longTerm = 0, shortTerm = 0;  ///< sizes afterwards
+
+  MemoryChange& operator+=(const MemoryChange& o);
 };
 
 /// The record of one image: every step's decision. One line of the report file.
@@ -50,7 +52,8 @@ struct FrameReport {
   double newPlaceProbability = 0.0;
   std::vector<Hypothesis> hypotheses;  ///< best first
   bool closure = false;                ///< a loop edge was added
-  MemoryChange memory;
+  std::vector<base::PlaceId> learnt;  ///< places that remembered or forgot at this image
+  MemoryChange memory;                ///< of these places together
   struct StepTime {
     std::string step;
     double milliseconds = 0.0;
