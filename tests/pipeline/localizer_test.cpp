@@ -83,6 +83,7 @@ TEST(Localizer, AnswersAreRightAndTheFrozenMapStays) {
 TEST(Localizer, AdaptingChangesMemoriesAlone) {
   const auto withoutMemory = [](map::MapContent content) {
     for (auto& [id, place] : content.places) place.memory = {};
+    content.redetections = {};
     for (auto& [id, edge] : content.edges) edge.correspondences.clear();  // they name remembered features
     return dump(content);
   };
@@ -181,6 +182,28 @@ TEST(Localizer, PerPassAPlaceLearnsOnceUntilItWasLeft) {
   EXPECT_EQ(stand(), 0u);
   localizer.restart();
   EXPECT_EQ(stand(), 1u);
+}
+
+// F-31, D-12: every view learnt is counted by the map, while it is mapped and while it adapts, and what is
+// learnt from the counts changes what the places hold.
+TEST(Localizer, LearntThresholdsReachTheMemories) {
+  const auto adapted = [](const std::string& thresholds) {
+    auto params = tinyParams();
+    params.fsh.thresholds = thresholds;
+    params.fsh.ltm_min_features = 50;
+    Localizer localizer(params, firstMap(), true);
+    std::uint64_t learnt = 0;
+    for (const auto& frame : secondDrive().frames) learnt += localizer.process(frame).learnt.size();
+    learnt += localizer.finish().size();
+    const auto& seen = localizer.map().content().redetections;
+    EXPECT_EQ(seen.views, firstMap().content().redetections.views + learnt);
+    EXPECT_NE(memory::learntThreshold(seen, 0.7), 0.7);
+    std::size_t longTerm = 0;
+    for (const auto& [id, place] : localizer.map().places()) longTerm += place.memory.longTerm().size();
+    return longTerm;
+  };
+  EXPECT_GT(firstMap().content().redetections.views, 10u);
+  EXPECT_NE(adapted("learned"), adapted("fixed"));
 }
 
 TEST(Localizer, AdaptsWithEveryMemory) {

@@ -242,6 +242,22 @@ TEST(Mapper, SecondDriveRecognisesAndMakesFewPlaces) {
 }
 
 /// The drive goes on for a third of a second lap; odometry counts on.
+// F-31, D-12.
+TEST(Mapper, LearntThresholdsReachTheMemories) {
+  const auto features = [](const std::string& thresholds) {
+    auto params = tinyParams();
+    params.fsh.thresholds = thresholds;
+    params.fsh.ltm_min_features = 50;
+    Mapper mapper(params, firstMap());
+    for (const auto& frame : secondDrive().frames) mapper.process(frame);
+    EXPECT_GT(mapper.map().content().redetections.views, firstMap().content().redetections.views);
+    std::size_t longTerm = 0;
+    for (const auto& [id, place] : mapper.map().places()) longTerm += place.memory.longTerm().size();
+    return longTerm;
+  };
+  EXPECT_NE(features("learned"), features("fixed"));
+}
+
 // D-E3: a place learns once until another was accepted; making it is learning too.
 TEST(Mapper, PerPassAPlaceLearnsOnceUntilItWasLeft) {
   auto params = tinyParams();

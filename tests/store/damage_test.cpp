@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "engram/memory/fsh.h"
 #include "engram/store/map_file.h"
 #include "sample_map.h"
 #include "store_fixture.h"
@@ -27,6 +28,7 @@ class DamageTest : public StoreTest {
     StoreTest::SetUp();
     name_ = path("a.engram");
     auto map = ringMap(4, 12);
+    map.remember(map::PlaceId(1), memory::Fsh({}), {}, {});
     const auto report = sampleReport();
     MapFile file = MapFile::create(name_, sampleHeader());
     file.commit(map, map.takeChanges(), &report);

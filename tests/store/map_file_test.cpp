@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <csignal>
 #include <sys/wait.h>
@@ -26,6 +27,12 @@ using MapFileTest = StoreTest;
 class KeepOdd : public memory::MemoryModel {
  public:
   memory::PlaceMemory start(const types::Features&) const override { return {}; }
+  types::MemoryChange learn(memory::PlaceMemory& m, const types::Features& view,
+                            std::span<const types::Match> matches,
+                            memory::Redetections& seen) const override {
+    memory::observe(seen, m, matches);
+    return update(m, view, matches);
+  }
   types::MemoryChange update(memory::PlaceMemory& m, const types::Features& view,
                              std::span<const types::Match>) const override {
     std::vector<int> keep;
@@ -139,6 +146,42 @@ TEST_F(MapFileTest, CommitsOfChangesAddUpToTheMap) {
     map = file.load();  // ids and changes go on where they were
   }
   EXPECT_THAT(file.check(), IsEmpty());
+}
+
+/// The row of totals as it stands in the file.
+std::string totals(const std::string& path) {
+  sqlite3* db = nullptr;
+  sqlite3_stmt* row = nullptr;
+  EXPECT_EQ(sqlite3_open_v2(path.c_str(), &db, SQLITE_OPEN_READONLY, nullptr), SQLITE_OK);
+  sqlite3_prepare_v2(db, "SELECT data FROM state", -1, &row, nullptr);
+  EXPECT_EQ(sqlite3_step(row), SQLITE_ROW);
+  const std::string data(static_cast<const char*>(sqlite3_column_blob(row, 0)),
+                         static_cast<std::size_t>(sqlite3_column_bytes(row, 0)));
+  sqlite3_finalize(row);
+  sqlite3_close(db);
+  return data;
+}
+
+/// What is known of re-detection came with version 2 of the row of totals. A map without it still has version
+/// 1: kind, version, three 32-bit ids, six 64-bit numbers, checksum.
+TEST_F(MapFileTest, MapsWithoutRedetectionsAreThoseOfTheFirstVersion) {
+  auto map = ringMap(4, 12);
+  MapFile file = MapFile::create(path("a.engram"), sampleHeader());
+  file.commit(map, map.takeChanges());
+  file.close();
+  ASSERT_EQ(totals(path("a.engram")).size(), 66u);
+  EXPECT_EQ(totals(path("a.engram"))[1], 1);
+  EXPECT_EQ(MapFile::open(path("a.engram"), Access::kReadOnly).load().content().redetections.views, 0u);
+
+  file = MapFile::open(path("a.engram"), Access::kReadWrite);  // and learn from then on
+  map = file.load();
+  map.remember(map::PlaceId(1), KeepOdd{}, {}, std::vector<types::Match>{{0, 3, 0.1f}});
+  file.commit(map, map.takeChanges());
+  file.close();
+  EXPECT_EQ(totals(path("a.engram"))[1], 2);
+  const auto read = MapFile::open(path("a.engram"), Access::kReadOnly).load();
+  EXPECT_EQ(read.content().redetections, map.content().redetections);
+  EXPECT_EQ(read.content().redetections.views, 1u);
 }
 
 TEST_F(MapFileTest, EqualMapsGiveEqualDumps) {

@@ -105,6 +105,8 @@ std::string brokenRule(const Edge& edge) {
 
 std::vector<std::string> brokenRules(const MapContent& content) {
   std::vector<std::string> broken;
+  if (const std::string rule = memory::brokenRule(content.redetections); !rule.empty())
+    broken.push_back(rule);
   for (const auto& [id, place] : content.places) {
     const std::string what = name("place", id.value);
     if (id != place.id || id.value >= content.nextPlace) broken.push_back(what + " has a wrong id");

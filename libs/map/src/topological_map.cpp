@@ -124,7 +124,7 @@ types::MemoryChange TopologicalMap::remember(PlaceId id, const memory::MemoryMod
                                              const types::Features& view,
                                              std::span<const types::Match> matches) {
   Place& target = mutablePlace(id);
-  const types::MemoryChange change = model.update(target.memory, view, matches);
+  const types::MemoryChange change = model.learn(target.memory, view, matches, content_.redetections);
   changes_.memories.push_back(id);
   dropForgotten(id);
   return change;

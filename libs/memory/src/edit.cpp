@@ -4,6 +4,7 @@
 
 #include "near_duplicates.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace engram::memory {
@@ -50,6 +51,15 @@ int keepOnly(PlaceMemory& memory, const std::vector<bool>& keep) {
   memory.features = memory.features.subset(kept);
   memory.states = std::move(states);
   return removed;
+}
+
+std::vector<float> normalisedFsh(const PlaceMemory& memory) {
+  float largest = 0;
+  for (const auto& state : memory.states) largest = std::max(largest, state.value);
+  std::vector<float> fsh;
+  fsh.reserve(memory.states.size());
+  for (const auto& state : memory.states) fsh.push_back(largest > 0 ? state.value / largest : 1.0f);
+  return fsh;
 }
 
 void ageAll(PlaceMemory& memory) {

@@ -27,6 +27,9 @@ int insertUnmatched(PlaceMemory& memory, const types::Features& stored, std::spa
 /// Removes all features but those marked. @returns the number of features removed.
 int keepOnly(PlaceMemory& memory, const std::vector<bool>& keep);
 
+/// The FSH divided by its maximum (F-E9).
+std::vector<float> normalisedFsh(const PlaceMemory& memory);
+
 /// One update older, every feature of it.
 void ageAll(PlaceMemory& memory);
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace engram::memory {
@@ -35,6 +36,7 @@ void rehearse(PlaceMemory& memory, const Features& view, std::span<const Match> 
     const auto b = static_cast<std::size_t>(matches[k].b);
     auto& state = memory.states[b];
     state.value = static_cast<float>(state.value + votes[k]);
+    if (state.counter < std::numeric_limits<std::uint16_t>::max()) ++state.counter;
     if (params.keep_descriptor == "newest") {
       // Only the descriptor: keypoint and bearing stay those of the view that made the feature.
       const auto row = view.descriptors.row(static_cast<std::size_t>(matches[k].a));
@@ -96,15 +98,6 @@ int prune(PlaceMemory& memory, const FshParams& params) {
   return keepOnly(memory, keep);
 }
 
-/// The FSH divided by its maximum (F-E9).
-std::vector<float> normalised(const PlaceMemory& memory) {
-  const float largest = largestValue(memory);
-  std::vector<float> fsh;
-  fsh.reserve(memory.states.size());
-  for (const auto& state : memory.states) fsh.push_back(largest > 0 ? state.value / largest : 1.0f);
-  return fsh;
-}
-
 /// F-15 with the floor of F-E10: the threshold is lowered to the value of the K-th best feature where it must
 /// be. Features equal to that one are long-term too, so that the result does not depend on their order.
 void classify(PlaceMemory& memory, const std::vector<float>& fsh, const FshParams& params,
@@ -143,9 +136,22 @@ void record(PlaceMemory& memory, const std::vector<float>& fsh, int length) {
 /// F-16: prune, normalise, classify.
 void settle(PlaceMemory& memory, const FshParams& params, MemoryChange& change) {
   change.pruned = prune(memory, params);
-  const auto fsh = normalised(memory);
+  const auto fsh = normalisedFsh(memory);
   classify(memory, fsh, params, change);
   record(memory, fsh, params.history_length);
+}
+
+MemoryChange updateBy(const FshParams& params, PlaceMemory& memory, const Features& view,
+                      std::span<const Match> matches) {
+  const Features stored = asStored(view);
+  MemoryChange change;
+  ageAll(memory);
+  decayAll(memory, params.decay);
+  rehearse(memory, stored, matches, params);
+  change.rehearsed = static_cast<int>(matches.size());
+  change.added = insertNew(memory, stored, matches, params);
+  settle(memory, params, change);
+  return change;
 }
 
 }  // namespace
@@ -167,6 +173,13 @@ void FshParams::describe(base::Params& p) {
   p.add("duplicate_distance", duplicate_distance,
         "a new feature nearer than this to a known one is not inserted; 0 inserts all [descriptor distance]",
         {0, 2});
+  p.addChoice("thresholds", thresholds,
+              "ltm_threshold and prune_view as given, or learnt from how often features were seen again",
+              {"fixed", "learned"});
+  p.add("forget_chance", forget_chance,
+        "thresholds = learned: a feature is given no more updates once the chance of seeing it again in the "
+        "next four is below this",
+        {0, 1});
   p.add("decay", decay, "factor on all votes before each update; 1 never forgets, as the paper", {0.5, 1});
 }
 
@@ -232,15 +245,21 @@ PlaceMemory Fsh::start(const Features& view) const {
 
 MemoryChange Fsh::update(PlaceMemory& memory, const Features& view, std::span<const Match> matches) const {
   checkUpdate(memory, view, matches);
-  const Features stored = asStored(view);
-  MemoryChange change;
-  ageAll(memory);
-  decayAll(memory, params_.decay);
-  rehearse(memory, stored, matches, params_);
-  change.rehearsed = static_cast<int>(matches.size());
-  change.added = insertNew(memory, stored, matches, params_);
-  settle(memory, params_, change);
-  return change;
+  return updateBy(params_, memory, view, matches);
+}
+
+MemoryChange Fsh::learn(PlaceMemory& memory, const Features& view, std::span<const Match> matches,
+                        Redetections& seen) const {
+  checkUpdate(memory, view, matches);
+  observe(seen, memory, matches);
+  return updateBy(paramsInForce(params_, seen), memory, view, matches);
+}
+
+FshParams paramsInForce(FshParams params, const Redetections& seen) {
+  if (params.thresholds == "fixed") return params;
+  params.ltm_threshold = learntThreshold(seen, params.ltm_threshold);
+  params.prune_view = learntForgettingAge(seen, params.prune_view, params.forget_chance);
+  return params;
 }
 
 }  // namespace engram::memory

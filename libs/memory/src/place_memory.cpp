@@ -11,4 +11,9 @@ std::vector<int> PlaceMemory::longTerm() const {
   return indices;
 }
 
+types::MemoryChange MemoryModel::learn(PlaceMemory& memory, const types::Features& view,
+                                       std::span<const types::Match> matches, Redetections&) const {
+  return update(memory, view, matches);
+}
+
 }  // namespace engram::memory

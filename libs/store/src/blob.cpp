@@ -76,6 +76,7 @@ BlobReader::BlobReader(std::span<const std::uint8_t> sealed, RowKind kind, std::
   if (crc != rowChecksum(content, rowId)) throw base::Error("its checksum is wrong");
   if (content[0] != static_cast<std::uint8_t>(kind)) throw base::Error("it is a row of another kind");
   if (content[1] > newestVersion) throw base::Error("it was written by a newer version of Engram");
+  version_ = content[1];
   rest_ = content.subspan(kKindBytes);
 }
 

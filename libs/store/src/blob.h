@@ -73,6 +73,8 @@ class BlobReader {
   BlobReader(std::span<const std::uint8_t> sealed, RowKind kind, std::uint8_t newestVersion,
              std::uint64_t rowId);
 
+  std::uint8_t version() const { return version_; }
+
   template <class T>
   requires std::is_arithmetic_v<T> T get() {
     T value;
@@ -92,6 +94,7 @@ class BlobReader {
   void decompress();
 
  private:
+  std::uint8_t version_ = 0;
   std::span<const std::uint8_t> rest_;
   Blob decompressed_;
 };

@@ -7,7 +7,8 @@
 namespace engram::store {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;  // of every kind of row
+constexpr std::uint8_t kVersion = 1;       // of every kind of row
+constexpr std::uint8_t kStateVersion = 2;  // but of this one
 
 void putPose(BlobWriter& out, const Eigen::Isometry3d& T) {
   for (int r = 0; r < 3; ++r)
@@ -90,21 +91,52 @@ types::Features getFeatures(BlobReader& in, std::size_t n) {
   return f;
 }
 
+void putRedetections(BlobWriter& out, const memory::Redetections& seen) {
+  out.varint(seen.views);
+  const auto put = [&](const auto& counts) {
+    out.varint(counts.size());
+    for (const auto& count : counts) {
+      out.varint(count.trials);
+      out.varint(count.hits);
+    }
+  };
+  put(seen.byValue);
+  put(seen.byAge);
+}
+
+memory::Redetections getRedetections(BlobReader& in) {
+  memory::Redetections seen;
+  seen.views = in.varint();
+  const auto get = [&](auto& counts) {
+    if (in.varint() != counts.size()) throw base::Error("it counts re-detections in another way");
+    for (auto& count : counts) {
+      count.trials = in.varint();
+      count.hits = in.varint();
+    }
+  };
+  get(seen.byValue);
+  get(seen.byAge);
+  return seen;
+}
+
 }  // namespace
 
 Blob encode(const MapState& s) {
-  BlobWriter out(RowKind::kState, kVersion);
+  const bool learnt = s.redetections.views > 0;
+  BlobWriter out(RowKind::kState, learnt ? kStateVersion : kVersion);
   for (const std::uint32_t v : {s.nextPlace, s.nextView, s.nextEdge}) out.put(v);
   for (const std::uint64_t v : {s.commits, s.places, s.views, s.edges, s.path, s.records}) out.put(v);
+  if (learnt) putRedetections(out, s.redetections);
   return std::move(out).seal(0);
 }
 
 MapState decodeState(std::span<const std::uint8_t> row) {
-  BlobReader in(row, RowKind::kState, kVersion, 0);
+  BlobReader in(row, RowKind::kState, kStateVersion, 0);
   MapState s;
   for (std::uint32_t* v : {&s.nextPlace, &s.nextView, &s.nextEdge}) *v = in.get<std::uint32_t>();
   for (std::uint64_t* v : {&s.commits, &s.places, &s.views, &s.edges, &s.path, &s.records})
     *v = in.get<std::uint64_t>();
+  if (in.version() >= 2) s.redetections = getRedetections(in);
   in.requireEnd();
   return s;
 }

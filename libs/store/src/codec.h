@@ -12,6 +12,7 @@ struct MapState {
   std::uint64_t commits = 0;
   std::uint32_t nextPlace = 0, nextView = 0, nextEdge = 0;
   std::uint64_t places = 0, views = 0, edges = 0, path = 0, records = 0;
+  memory::Redetections redetections;  ///< since version 2 of the row; without any, version 1 is written
 };
 
 // Rows as sealed blobs. Floating point numbers keep every bit, so that a map read again equals the one

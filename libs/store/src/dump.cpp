@@ -75,6 +75,15 @@ void dumpMemory(std::ostream& out, const memory::PlaceMemory& m) {
   }
 }
 
+void dumpRedetections(std::ostream& out, const memory::Redetections& seen) {
+  if (seen.views == 0) return;
+  out << "redetections views " << seen.views << " by_value";
+  for (const auto& count : seen.byValue) out << ' ' << count.hits << '/' << count.trials;
+  out << " by_age";
+  for (const auto& count : seen.byAge) out << ' ' << count.hits << '/' << count.trials;
+  out << '\n';
+}
+
 void dumpHeader(std::ostream& out, const map::MapHeader& h) {
   out << "engram_map " << kFormatVersion << '\n'
       << "header engram_version " << oneLine(h.engramVersion) << '\n'
@@ -93,6 +102,7 @@ void dump(std::ostream& out, const map::MapHeader& header, const map::MapContent
           const std::vector<types::FrameReport>& records) {
   dumpHeader(out, header);
   out << "next " << content.nextPlace << ' ' << content.nextView << ' ' << content.nextEdge << '\n';
+  dumpRedetections(out, content.redetections);
   for (const auto& [id, p] : content.places) {
     out << "place " << id.value << " session " << p.session << " stamp " << exact(p.createdStamp) << " image "
         << p.createdIndex << ' ' << oneLine(p.createdLabel) << " pose " << pose(p.T_map_place);

@@ -203,6 +203,7 @@ void MapFile::commit(const map::TopologicalMap& map, const map::MapChanges& chan
   next.views = content.views.size();
   next.edges = content.edges.size();
   next.path = content.path.size();
+  next.redetections = content.redetections;
   writeState(database, next);
   transaction.commit();
   impl_->state = next;

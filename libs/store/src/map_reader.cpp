@@ -79,6 +79,7 @@ map::MapContent MapReader::content() {
   c.nextPlace = s.nextPlace;
   c.nextView = s.nextView;
   c.nextEdge = s.nextEdge;
+  c.redetections = s.redetections;
   forEachRow("SELECT id, data FROM places ORDER BY id", "place", s.places,
              [&](std::uint64_t id, Statement& row) {
                map::Place place = decodePlace(row.blob(1), id);

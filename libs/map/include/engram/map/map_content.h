@@ -4,6 +4,7 @@
 
 #include "engram/base/ids.h"
 #include "engram/memory/place_memory.h"
+#include "engram/memory/redetections.h"
 #include "engram/types/features.h"
 #include "engram/types/rel_pose.h"
 
@@ -94,6 +95,7 @@ struct MapContent {
   std::map<ViewId, View> views;
   std::map<EdgeId, Edge> edges;
   std::vector<PathPoint> path;
+  memory::Redetections redetections;                        ///< of the features of all places
   std::uint32_t nextPlace = 0, nextView = 0, nextEdge = 0;  ///< ids are never reused
 };
 

@@ -55,8 +55,8 @@ class TopologicalMap {
   /// Keeps the true pose of a place, for evaluation.
   void survey(PlaceId id, const Eigen::Isometry3d& T_world_place);
 
-  /// The place learns from a verified view. Correspondences of its edges that name forgotten features are
-  /// dropped.
+  /// The place learns from a verified view, and the map how often features are seen again. Correspondences of
+  /// its edges that name forgotten features are dropped.
   /// @param matches verified and one-to-one: a = feature of `view`, b = feature of the place's memory.
   types::MemoryChange remember(PlaceId id, const memory::MemoryModel& model, const types::Features& view,
                                std::span<const types::Match> matches);

@@ -4,6 +4,7 @@
 
 #include "engram/base/params.h"
 #include "engram/memory/place_memory.h"
+#include "engram/memory/redetections.h"
 
 #include <string>
 
@@ -22,7 +23,11 @@ struct FshParams {
   std::string keep_descriptor = "old";  ///< of a re-observed feature (F-E22)
   int history_length = 32;              ///< kept values of rfsh (F-04)
   double duplicate_distance = 0.1;  ///< descriptor distance; no insertion next to a feature so near (F-E4)
-  double decay = 1.0;               ///< factor on all votes before each update; 1 is the paper (F-31)
+  /// `fixed`: ltm_threshold and prune_view are the numbers above. `learned`: they are where learning starts;
+  /// the map's own re-detections take over as they come in (F-31, D-12).
+  std::string thresholds = "fixed";
+  double forget_chance = 0.1;  ///< of learntForgettingAge(); a feature seen once in 50 views is worth nothing
+  double decay = 1.0;          ///< factor on all votes before each update; 1 is the paper (F-31)
 
   void describe(base::Params& p);
 };
@@ -49,11 +54,20 @@ class Fsh : public MemoryModel {
   types::MemoryChange update(PlaceMemory& memory, const types::Features& view,
                              std::span<const types::Match> matches) const override;
 
+  /// update() after counting the view in `seen`, and with the threshold and the forgetting age that `seen`
+  /// then gives, if [fsh] thresholds = learned. `seen` is counted either way, so that a map can be asked to
+  /// learn later. The floor ltm_min_features holds in both.
+  types::MemoryChange learn(PlaceMemory& memory, const types::Features& view,
+                            std::span<const types::Match> matches, Redetections& seen) const override;
+
   const FshParams& params() const { return params_; }
 
  private:
   FshParams params_;
 };
+
+/// The parameters by which learn() updates: ltm_threshold and prune_view as learnt, if they are to be.
+FshParams paramsInForce(FshParams params, const Redetections& seen);
 
 /// F eq (2): the vote of each re-observed feature, in the order of `matches`. See FshParams::vote_variance
 /// (F-E7).

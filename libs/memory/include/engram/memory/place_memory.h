@@ -17,10 +17,12 @@ enum class Stage : std::uint8_t { kShortTerm = 0, kLongTerm = 1 };
 
 /// The state of one remembered feature.
 struct FeatureState {
-  std::uint32_t id = 0;       ///< unique within its place and never reused: edges refer to it
-  float value = 0;            ///< accumulated votes, the FSH before normalisation (F-02)
-  std::uint16_t age = 0;      ///< updates of the place since this feature was added (F-E5)
-  std::uint16_t counter = 0;  ///< state of a finite state machine (D-04, D-05); unused by the FSH
+  std::uint32_t id = 0;   ///< unique within its place and never reused: edges refer to it
+  float value = 0;        ///< accumulated votes, the FSH before normalisation (F-02)
+  std::uint16_t age = 0;  ///< updates of the place since this feature was added (F-E5)
+  /// State of the finite state machine of the two stores (D-04, D-05); for the FSH, updates in which the
+  /// feature was seen again.
+  std::uint16_t counter = 0;
   Stage stage = Stage::kShortTerm;
   std::vector<std::uint8_t>
       history;  ///< normalised FSH * 255 after each update, newest last: rfsh(i, p) of F-04
@@ -39,6 +41,8 @@ struct PlaceMemory {
   std::vector<int> longTerm() const;
 };
 
+struct Redetections;
+
 /// How a place remembers and forgets. Pure: the same arguments give the same result.
 class MemoryModel {
  public:
@@ -51,6 +55,11 @@ class MemoryModel {
   /// @param matches verified correspondences, one-to-one: a = feature of `view`, b = feature of `memory`.
   virtual types::MemoryChange update(PlaceMemory& memory, const types::Features& view,
                                      std::span<const types::Match> matches) const = 0;
+
+  /// update() within a map: a model that learns from re-detection over all places counts this view in `seen`
+  /// and heeds it (F-31, D-12). The others leave it alone.
+  virtual types::MemoryChange learn(PlaceMemory& memory, const types::Features& view,
+                                    std::span<const types::Match> matches, Redetections& seen) const;
 };
 
 }  // namespace engram::memory
