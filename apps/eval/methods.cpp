@@ -39,6 +39,11 @@ std::vector<Method> touredMethods(const pipeline::PipelineParams& pipeline) {
           memoryMethod("static", pipeline, "static"), memoryMethod("replace", pipeline, "replace")};
 }
 
+std::vector<Method> staticPlaceMethods(const pipeline::PipelineParams& pipeline) {
+  return {memoryMethod("fsh", pipeline, "fsh"), multiStore(pipeline, 2, 8),
+          memoryMethod("static", pipeline, "static")};
+}
+
 std::vector<Method> sweptMethods(const pipeline::PipelineParams& pipeline) {
   std::vector<Method> methods;
   for (int age = 1; age <= 7; ++age) {
