@@ -54,6 +54,18 @@ types::Matrix6d adjoint(const Eigen::Isometry3d& T) {
   return out;
 }
 
+types::RelPose compose(const types::RelPose& ab, const types::RelPose& bc) {
+  const types::Matrix6d A = adjoint(bc.T_a_b.inverse());
+  return {.T_a_b = ab.T_a_b * bc.T_a_b,
+          .cov = A * ab.cov * A.transpose() + bc.cov,
+          .hasScale = ab.hasScale && bc.hasScale};
+}
+
+types::RelPose inverse(const types::RelPose& ab) {
+  const types::Matrix6d A = adjoint(ab.T_a_b);
+  return {.T_a_b = ab.T_a_b.inverse(), .cov = A * ab.cov * A.transpose(), .hasScale = ab.hasScale};
+}
+
 Vector6d logSe3(const Eigen::Isometry3d& T) {
   const Eigen::AngleAxisd turn(T.linear());
   const Eigen::Vector3d w = turn.angle() * turn.axis();

@@ -32,6 +32,7 @@ void RelaxerParams::describe(base::Params& p) {
   p.add("duckett_max_sweeps", duckett_max_sweeps, "Iterations of duckett over the whole map", {1, 10000000});
   p.add("duckett_tolerance", duckett_tolerance,
         "Mean change of a place below which duckett ends; 1 rad counts as 1 m [m]", {0, 1});
+  gate.describe(p);
 }
 
 const char* toString(Ending ending) {

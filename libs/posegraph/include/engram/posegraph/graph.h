@@ -48,6 +48,10 @@ Eigen::Matrix<double, 6, 1> residual(const types::RelPose& T_a_b, const Eigen::I
 /// Takes a small motion d of a frame to the frame that T leads to: T exp(d) = exp(adjoint(T) d) T.
 types::Matrix6d adjoint(const Eigen::Isometry3d& T);
 
+/// One motion after the other, and the motion back; covariances to first order, as independent (K-12).
+types::RelPose compose(const types::RelPose& T_a_b, const types::RelPose& T_b_c);
+types::RelPose inverse(const types::RelPose& T_a_b);
+
 /// SE(3) logarithm (translation part, rotation vector) and its inverse.
 Eigen::Matrix<double, 6, 1> logSe3(const Eigen::Isometry3d& T);
 Eigen::Isometry3d expSe3(const Eigen::Matrix<double, 6, 1>& v);

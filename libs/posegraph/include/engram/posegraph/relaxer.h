@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/base/params.h"
+#include "engram/posegraph/gating.h"
 #include "engram/posegraph/graph.h"
 #include "engram/posegraph/window.h"
 
@@ -25,6 +26,7 @@ struct RelaxerParams {
   int window_iterations = 20;       ///< A-12: of one image
   int duckett_max_sweeps = 20000;   ///< A-E6: at save and at closures
   double duckett_tolerance = 1e-7;  ///< [m] a place and sweep
+  GateParams gate;
   void describe(base::Params& p);
 };
 
