@@ -251,13 +251,15 @@ TEST(Relaxer, RefusesBadGraphsAndParameters) {
 
 /// With equal weights MRPT's solver is right, and is the oracle for ours.
 TEST(MrptRelaxer, AgreesWithOursForEqualWeights) {
-  Graph g = noisyLoop(6, 12, false, 0.03, 0.01).graph;
-  for (Constraint& c : g.constraints) c.T_a_b.cov = types::Matrix6d::Identity();
-  addMissingPoses(g);
-  const Relaxation ours = makeRelaxer(with(false))->relax(g);
-  const Relaxation theirs = makeRelaxer(with(false, "none", "mrpt_levmarq"))->relax(g);
-  EXPECT_LT(worst(ours.poses, theirs.poses), 2e-3);
-  EXPECT_NEAR(ours.chi2After, theirs.chi2After, 0.01 * ours.chi2After);
+  for (const bool planar : {true, false}) {
+    Graph g = noisyLoop(6, 12, planar, 0.03, 0.01).graph;
+    for (Constraint& c : g.constraints) c.T_a_b.cov = types::Matrix6d::Identity();
+    addMissingPoses(g);
+    const Relaxation ours = makeRelaxer(with(planar))->relax(g);
+    const Relaxation theirs = makeRelaxer(with(planar, "none", "mrpt_levmarq"))->relax(g);
+    EXPECT_LT(worst(ours.poses, theirs.poses), 2e-3) << "planar " << planar;
+    EXPECT_NEAR(ours.chi2After, theirs.chi2After, 0.01 * ours.chi2After) << "planar " << planar;
+  }
 }
 
 }  // namespace

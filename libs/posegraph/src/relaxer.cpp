@@ -15,7 +15,7 @@ void RelaxerParams::describe(base::Params& p) {
   p.addChoice(
       "relaxer", relaxer,
       "Solver: ceres; duckett (Angeli et al.; x, y and yaw, no kernel, slow in large loops); or MRPT's "
-      "levmarq (right only with equal weights; knows no kernel and no planar motion)",
+      "levmarq (right only with equal weights; knows no kernel)",
       {"ceres", "duckett", "mrpt_levmarq"});
   p.add("planar", planar, "The robot moves on a plane: only x, y and yaw of the places are free");
   p.addChoice("kernel", kernel, "Robust kernel on closures: bounds the pull of a false one",
