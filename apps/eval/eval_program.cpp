@@ -15,7 +15,8 @@ std::string EvalProgram::examples() const {
          "  engram-eval memory --out lab_7 --seed 7 --set fsh.prune_view=3\n"
          "  engram-eval images --config config/fsh_mono.ini --reference day_left --query day_right "
          "--truth truth.csv --out gardens\n"
-         "  engram-eval tours --out tours --json tours.json\n";
+         "  engram-eval tours --out tours --json tours.json\n"
+         "  engram-eval words --images walk --truth truth.csv --out words --json words.json\n";
 }
 
 void EvalProgram::declare(CLI::App& app) {
@@ -27,10 +28,13 @@ void EvalProgram::declare(CLI::App& app) {
   images_.declare(*imagesApp_);
   toursApp_ = app.add_subcommand("tours", "Two months of tours: adaptive memories against a static one");
   tours_.declare(*toursApp_);
+  wordsApp_ = app.add_subcommand("words", "Loop closures by visual words, on images with ground truth");
+  words_.declare(*wordsApp_);
 }
 
 int EvalProgram::run(std::ostream& out, std::ostream& err) {
   if (toursApp_->parsed()) return tours_.run(out, err);
+  if (wordsApp_->parsed()) return words_.run(out, err);
   return imagesApp_->parsed() ? images_.run(out, err) : memory_.run(out, err);
 }
 

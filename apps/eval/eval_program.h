@@ -6,6 +6,7 @@
 #include "images_command.h"
 #include "memory_command.h"
 #include "tours_command.h"
+#include "words_command.h"
 
 namespace engram::apps {
 
@@ -24,6 +25,8 @@ class EvalProgram : public Program {
   CLI::App* imagesApp_ = nullptr;
   ToursCommand tours_;
   CLI::App* toursApp_ = nullptr;
+  WordsCommand words_;
+  CLI::App* wordsApp_ = nullptr;
 };
 
 }  // namespace engram::apps

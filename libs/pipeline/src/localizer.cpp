@@ -58,7 +58,7 @@ types::FrameReport Localizer::locate(Work& work) {
 
 void Localizer::restart() {
   finish();
-  recogniser_.load(map_);
+  recogniser_.restart();
   last_ = {};
   agreeing_ = 0;
   restarted_ = true;
@@ -91,7 +91,7 @@ void Localizer::verify(Work& work) {
   const StepTimer timer(work.report, "verify");
   work.report.outcome = types::Outcome::kRefused;
   work.report.reason = "no place is probable enough";
-  for (auto& hypothesis : work.report.hypotheses) {
+  for (auto& hypothesis : candidatesOf(work.report.hypotheses, params_.recognise)) {
     if (recogniser_.neighbourhoodMass(hypothesis.place) < params_.belief.accept_threshold) continue;
     PlaceMatch match =
         matchToPlace(work.features, map_.place(hypothesis.place).memory, params_.match, params_.verify);

@@ -116,7 +116,7 @@ void Mapper::verify(Work& work) {
         id, matchToPlace(work.features, map_.place(id).memory, params_.match, params_.verify));
     return work.candidates.back().second;
   };
-  for (auto& hypothesis : work.report.hypotheses) {
+  for (auto& hypothesis : candidatesOf(work.report.hypotheses, params_.recognise)) {
     if (recogniser_.neighbourhoodMass(hypothesis.place) < params_.belief.accept_threshold) continue;
     const PlaceMatch& match = tryPlace(hypothesis.place);
     hypothesis.inliers = static_cast<int>(match.matches.size());

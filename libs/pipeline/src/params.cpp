@@ -26,7 +26,19 @@ void PlaceParams::describe(base::Params& p) {
 }
 
 void RecogniseParams::describe(base::Params& p) {
+  p.addChoice(
+      "scorer", scorer,
+      "what scores the places: matches with long-term features, or votes of the words of an incremental "
+      "dictionary",
+      {"ltm_match", "tfidf_incremental"});
+  p.add("rescore", rescore,
+        "tfidf_incremental: so many places with the most votes are scored again as by ltm_match; 0 leaves it "
+        "to "
+        "the votes",
+        {0, 1e6});
   p.add("candidates", candidates, "hypotheses that go to geometric verification", {1, 1000});
+  p.add("reported", reported, "hypotheses in the record of an image, if they are more than the candidates",
+        {1, 1000});
   p.add("accept_inliers", accept_inliers, "verified matches that acceptance needs", {4, 10000});
   p.add("closure_inliers", closure_inliers, "verified matches that a loop closure needs", {4, 10000});
   p.add("closure_similarity", closure_similarity,
@@ -56,6 +68,7 @@ void PipelineParams::bind(base::Config& config) {
   config.bind("camera", camera);
   config.bind("extractor", extractor);
   config.bind("matching", match);
+  config.bind("words", words);
   config.bind("verify", verify);
   config.bind("select", select);
   config.bind("recognise", recognise);

@@ -17,6 +17,12 @@ bool strongEnough(const PlaceMatch& match, const RecogniseParams& params) {
          match.similarity >= params.accept_similarity;
 }
 
+std::span<types::Hypothesis> candidatesOf(std::vector<types::Hypothesis>& hypotheses,
+                                          const RecogniseParams& params) {
+  return std::span(hypotheses)
+      .first(std::min(hypotheses.size(), static_cast<std::size_t>(params.candidates)));
+}
+
 types::Features inPlaceFrame(types::Features view, const Eigen::Matrix3d& R_place_view) {
   const Eigen::Matrix3f R = R_place_view.cast<float>();
   for (auto& bearing : view.bearings) bearing = (R * bearing).normalized();

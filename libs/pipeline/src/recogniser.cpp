@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/recogniser.h"
 
-#include "engram/pipeline/place_match.h"
-
 #include <algorithm>
 #include <numeric>
 
@@ -23,7 +21,7 @@ belief::BeliefParams paramsFor(Recogniser::Mode mode, const PipelineParams& para
 
 Recogniser::Recogniser(const PipelineParams& params, Mode mode)
     : params_(params.recognise),
-      match_(params.match),
+      scorer_(makeScorer(params)),
       spacing_(params.place.spacing),
       filter_(paramsFor(mode, params), mode == Mode::kMapping) {
   filter_.reset(0);
@@ -45,15 +43,12 @@ void Recogniser::placeChanged(const map::Place& place) {
   if (index < 0) {  // ids only grow
     index = static_cast<int>(ids_.size());
     ids_.push_back(place.id);
-    longTermSizes_.push_back(0);
     adjacency_.neighbours.emplace_back();
     adjacency_.successor.push_back(-1);
     adjacency_.predecessor.push_back(-1);
     filter_.grow(ids_.size(), 0.0);
   }
-  const std::vector<int> longTerm = place.memory.longTerm();
-  longTermSizes_[static_cast<std::size_t>(index)] = static_cast<int>(longTerm.size());
-  matcher_.set(static_cast<std::size_t>(index), place.memory.features.subset(longTerm));
+  scorer_->placeChanged(static_cast<std::size_t>(index), place);
 }
 
 void Recogniser::edgesChanged(const map::TopologicalMap& map) {
@@ -72,10 +67,7 @@ void Recogniser::edgesChanged(const map::TopologicalMap& map) {
 }
 
 std::vector<double> Recogniser::similarities(const types::Features& view) const {
-  const std::vector<int> counts = matcher_.ratioMatchCounts(view, match_, params_.threads);
-  std::vector<double> result(ids_.size());
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] = similarity(counts[i], longTermSizes_[i]);
-  return result;
+  return scorer_->scores(view);
 }
 
 std::vector<types::Hypothesis> Recogniser::recognise(const types::Features& view,
@@ -94,9 +86,11 @@ std::vector<types::Hypothesis> Recogniser::weigh(const std::vector<double>& scor
   filter_.update(likelihoodWithout(excluded, scores));
 
   const std::vector<double>& posterior = filter_.posterior().places;
-  std::vector<int> order(ids_.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto n = std::min<std::size_t>(order.size(), static_cast<std::size_t>(params_.candidates));
+  std::vector<int> order;
+  for (std::size_t i = 0; i < ids_.size(); ++i)
+    if (!excluded.count(ids_[i])) order.push_back(static_cast<int>(i));
+  const auto most = static_cast<std::size_t>(std::max(params_.candidates, params_.reported));
+  const std::size_t n = std::min(order.size(), most);
   std::partial_sort(
       order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n), order.end(), [&](int a, int b) {
         const double pa = posterior[static_cast<std::size_t>(a)], pb = posterior[static_cast<std::size_t>(b)];
@@ -105,7 +99,6 @@ std::vector<types::Hypothesis> Recogniser::weigh(const std::vector<double>& scor
   std::vector<types::Hypothesis> hypotheses;
   for (std::size_t k = 0; k < n; ++k) {
     const auto i = static_cast<std::size_t>(order[k]);
-    if (excluded.count(ids_[i])) continue;
     hypotheses.push_back({ids_[i], scores[i], posterior[i], -1});
   }
   return hypotheses;

@@ -10,6 +10,7 @@
 #include "engram/memory/models.h"
 #include "engram/pipeline/perception.h"
 #include "engram/posegraph/relaxer.h"
+#include "engram/vocabulary/word_dictionary.h"
 
 #include <string>
 
@@ -40,7 +41,10 @@ struct PlaceParams {
 
 /// Section `[recognise]`.
 struct RecogniseParams {
+  std::string scorer = "ltm_match";  ///< what scores the places: see makeScorer()
+  int rescore = 30;          ///< tfidf_incremental: places that are matched by descriptors; 0: words alone
   int candidates = 5;        ///< hypotheses that go to geometric verification, best first
+  int reported = 5;          ///< hypotheses that are in the record of an image, best first
   int accept_inliers = 20;   ///< verified matches that acceptance needs
   int closure_inliers = 30;  ///< the same for a loop closure: K-15 saw no false one from 30 on
   double closure_similarity =
@@ -69,6 +73,7 @@ struct PipelineParams {
   CameraParams camera;
   features::ExtractorParams extractor;
   features::MatchParams match;
+  vocabulary::WordParams words;
   geometry::VerifyParams verify;
   SelectParams select;
   RecogniseParams recognise;

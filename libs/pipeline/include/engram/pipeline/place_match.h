@@ -6,10 +6,12 @@
 #include "engram/geometry/verify.h"
 #include "engram/memory/place_memory.h"
 #include "engram/pipeline/params.h"
+#include "engram/types/frame_report.h"
 #include "engram/types/match.h"
 
 #include <Eigen/Geometry>
 
+#include <span>
 #include <vector>
 
 namespace engram::pipeline {
@@ -33,6 +35,10 @@ PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& 
 
 /// Whether a match suffices to say that the robot is there.
 bool strongEnough(const PlaceMatch& match, const RecogniseParams& params);
+
+/// The hypotheses that may be verified: the first `candidates`.
+std::span<types::Hypothesis> candidatesOf(std::vector<types::Hypothesis>& hypotheses,
+                                          const RecogniseParams& params);
 
 /// F eq (8) as F-E11 simplifies it: sqrt(matches / features of the reference); 0 for an empty reference.
 double similarity(int matches, int referenceFeatures);

@@ -3,11 +3,12 @@
 #pragma once
 
 #include "engram/belief/bayes_filter.h"
-#include "engram/features/place_matcher.h"
 #include "engram/map/topological_map.h"
 #include "engram/pipeline/params.h"
+#include "engram/pipeline/scorer.h"
 #include "engram/types/frame_report.h"
 
+#include <memory>
 #include <optional>
 #include <set>
 #include <vector>
@@ -15,7 +16,7 @@
 namespace engram::pipeline {
 
 /// Recognise: features become a score for each place and a belief over all of them (F-19, F-20).
-/// Holds the long-term features of every place in one searchable block; the map tells it of every change.
+/// The map tells it of every change.
 class Recogniser {
  public:
   enum class Mode {
@@ -32,13 +33,14 @@ class Recogniser {
   /// Edges were added or removed.
   void edgesChanged(const map::TopologicalMap& map);
 
-  /// Predicts by the motion model and weighs by this view. Hypotheses come best first, at most `candidates`.
+  /// Predicts by the motion model and weighs by this view. Hypotheses come best first, at most `candidates`
+  /// or `reported`, whichever is more.
   /// @param excluded places that cannot be the answer: those just made.
   /// @param travelled distance since the last call [m]; none when unknown.
   std::vector<types::Hypothesis> recognise(const types::Features& view, std::optional<double> travelled,
                                            const std::set<base::PlaceId>& excluded = {});
 
-  /// recognise() in its two halves. F eq (8) for each place in the order of its id, by descriptors alone.
+  /// recognise() in its two halves. The score of each place in the order of its id, by descriptors alone.
   std::vector<double> similarities(const types::Features& view) const;
   /// @param scores one in [0, 1] for each place, in the order of its id; from similarities() or any other
   /// rule
@@ -60,13 +62,11 @@ class Recogniser {
                                        std::vector<double> scores) const;
 
   RecogniseParams params_;
-  features::MatchParams match_;
-  features::PlaceMatcher matcher_;
+  std::unique_ptr<Scorer> scorer_;
   double spacing_;  // mean distance of neighbouring places [m]
   belief::BayesFilter filter_;
   belief::Adjacency adjacency_;
-  std::vector<base::PlaceId> ids_;  // ascending; index in the filter and in the matcher
-  std::vector<int> longTermSizes_;
+  std::vector<base::PlaceId> ids_;  // ascending; index in the filter and in the scorer
 };
 
 }  // namespace engram::pipeline

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/map/topological_map.h"
+#include "engram/pipeline/params.h"
+#include "engram/types/features.h"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace engram::pipeline {
+
+/// How much a view looks like each place, by descriptors alone. Holds what it needs of every place; the
+/// recogniser tells it of every change.
+class Scorer {
+ public:
+  virtual ~Scorer() = default;
+
+  /// A place was added (its index is then the number of places so far), or its memory has changed.
+  virtual void placeChanged(std::size_t index, const map::Place& place) = 0;
+
+  /// One score in [0, 1] for each place, by index. The result does not depend on the number of threads.
+  virtual std::vector<double> scores(const types::Features& view) const = 0;
+};
+
+/// By `[recognise] scorer`:
+/// - `ltm_match`: F eq (8), ratio-test matches over long-term features, every place by itself;
+/// - `tfidf_incremental`: votes of the words of the incremental dictionary, over the largest
+///   possible vote. The words of a place are those of its long-term features. The dictionary is no part of a
+///   map file: it is made from the places in the order of their ids, so equal maps give equal answers. With
+///   `rescore` > 0 that many places, those with the most votes, get the score of `ltm_match`, and all others
+///   the smallest of these.
+std::unique_ptr<Scorer> makeScorer(const PipelineParams& params);
+
+}  // namespace engram::pipeline

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/pipeline/scorer.h"
+
+#include "engram/base/parallel.h"
+#include "engram/features/place_matcher.h"
+#include "engram/pipeline/place_match.h"
+#include "engram/vocabulary/word_index.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace engram::pipeline {
+namespace {
+
+types::Features longTermOf(const map::Place& place) {
+  return place.memory.features.subset(place.memory.longTerm());
+}
+
+class LtmMatchScorer : public Scorer {
+ public:
+  explicit LtmMatchScorer(const PipelineParams& params)
+      : match_(params.match), threads_(params.recognise.threads) {}
+
+  void placeChanged(std::size_t index, const map::Place& place) override {
+    const types::Features longTerm = longTermOf(place);
+    sizes_.resize(std::max(sizes_.size(), index + 1), 0);
+    sizes_[index] = static_cast<int>(longTerm.size());
+    matcher_.set(index, longTerm);
+  }
+
+  std::vector<double> scores(const types::Features& view) const override {
+    const std::vector<int> counts = matcher_.ratioMatchCounts(view, match_, threads_);
+    std::vector<double> result(sizes_.size());
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = similarity(counts[i], sizes_[i]);
+    return result;
+  }
+
+  /// The same for these places alone.
+  std::vector<double> scores(const types::Features& view, const std::vector<std::size_t>& places) const {
+    std::vector<double> result(places.size());
+    base::parallelFor(places.size(), threads_, [&](std::size_t k) {
+      const auto matches = matcher_.matches(view, places[k], match_);
+      result[k] = similarity(static_cast<int>(matches.size()), sizes_[places[k]]);
+    });
+    return result;
+  }
+
+ private:
+  features::MatchParams match_;
+  int threads_;
+  features::PlaceMatcher matcher_;
+  std::vector<int> sizes_;
+};
+
+class WordScorer : public Scorer {
+ public:
+  explicit WordScorer(const PipelineParams& params)
+      : rescore_(static_cast<std::size_t>(params.recognise.rescore)),
+        threads_(params.recognise.threads),
+        words_(params.words),
+        matcher_(params) {}
+
+  /// The dictionary learns after the map. A place that has learnt is indexed anew, as one view.
+  void placeChanged(std::size_t index, const map::Place& place) override {
+    const auto number = static_cast<std::uint32_t>(index);
+    const types::Features longTerm = longTermOf(place);
+    words_.removePlace(base::PlaceId(number));
+    const auto seen = words_.dictionary().lookup(longTerm.descriptors, threads_);
+    words_.learn(base::PlaceId(number), base::ViewId(number), longTerm.descriptors, seen);
+    if (rescore_ > 0) matcher_.placeChanged(index, place);
+  }
+
+  std::vector<double> scores(const types::Features& view) const override {
+    std::vector<double> result(words_.index().places(), 0.0);
+    const double most = words_.index().maxVote();
+    for (const auto& vote : words_.recognise(view.descriptors, threads_).votes)
+      result[vote.place.value] = most > 0 ? std::min(1.0, vote.score / most) : 0.0;
+    return rescore_ > 0 ? rescored(view, result) : result;
+  }
+
+ private:
+  std::vector<double> rescored(const types::Features& view, const std::vector<double>& votes) const {
+    std::vector<std::size_t> best(votes.size());
+    std::iota(best.begin(), best.end(), std::size_t{0});
+    const auto n = static_cast<std::ptrdiff_t>(std::min(rescore_, best.size()));
+    std::partial_sort(best.begin(), best.begin() + n, best.end(), [&](std::size_t a, std::size_t b) {
+      return votes[a] != votes[b] ? votes[a] > votes[b] : a < b;
+    });
+    best.resize(static_cast<std::size_t>(n));
+    const std::vector<double> matched = matcher_.scores(view, best);
+    const double least = matched.empty() ? 0.0 : *std::min_element(matched.begin(), matched.end());
+    std::vector<double> result(votes.size(), least);
+    for (std::size_t k = 0; k < best.size(); ++k) result[best[k]] = matched[k];
+    return result;
+  }
+
+  std::size_t rescore_;
+  int threads_;
+  vocabulary::WordIndex words_;
+  LtmMatchScorer matcher_;  // empty without `rescore`
+};
+
+}  // namespace
+
+std::unique_ptr<Scorer> makeScorer(const PipelineParams& params) {
+  if (params.recognise.scorer == "tfidf_incremental") return std::make_unique<WordScorer>(params);
+  return std::make_unique<LtmMatchScorer>(params);
+}
+
+}  // namespace engram::pipeline
