@@ -38,6 +38,7 @@ class Grouper {
         planar_(planar),
         bound_(chi2Bound(params.gate_probability, planar ? 3 : 6)) {
     out_.decisions.resize(closures.size());
+    out_.late.assign(closures.size(), 0);
     for (std::size_t i = 0; i < closures.size(); ++i) {
       const Constraint& c = closures[i];
       if (!c.T_a_b.hasScale || !brokenRule(c).empty() || !trusted.poses.contains(c.a) ||
@@ -47,6 +48,7 @@ class Grouper {
       }
       const std::uint32_t a = tree_.order(tree_.index().index(c.a)),
                           b = tree_.order(tree_.index().index(c.b));
+      out_.late[i] = std::max(a, b);
       if (a >= b)
         arcs_.push_back({c, a, b, i});
       else

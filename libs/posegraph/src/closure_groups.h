@@ -10,6 +10,8 @@ namespace engram::posegraph {
 struct ClosureGroups {
   std::vector<std::vector<std::size_t>> groups;  ///< positions, along the drive; unusable ones are in none
   std::vector<ClosureDecision> decisions;        ///< kOutvoted, kUnusable or kUnsupported; `support` is set
+  std::vector<std::uint32_t>
+      late;  ///< of each closure, the later end: position along odometry; 0 for unusable ones
 };
 
 /// Groups closures whose ends are near each other along odometry at both sides and whose cycle agrees, then

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <set>
 
 namespace engram::posegraph {
 namespace {
@@ -16,6 +17,8 @@ constexpr double kFirstLevel = 0.25;  // [m]
 constexpr double kNextLevel = 1.4;
 constexpr std::size_t kShare = 5;  // relaxed again when one in so many is new
 constexpr int kMaxReviews = 8;
+constexpr int kMaxTrials = 20;
+constexpr std::uint32_t kBeside = 60;  // [places]
 
 using Decisions = std::vector<ClosureDecision>;
 
@@ -94,9 +97,21 @@ class Judge {
   }
 
   RobustRelaxation run() {
-    const double widest = extent();
     relax(*between_);
     if (review()) relax(*between_);
+    enter();
+    for (int i = 0; i < kMaxTrials && tryWithoutTheWorst(); ++i) {
+    }
+    relax(*makeRelaxer(params_));
+    settle();
+    explainRefusals();
+    return std::move(result_);
+  }
+
+ private:
+  /// From the most certain test to the least, until nothing more comes in.
+  void enter() {
+    const double widest = extent();
     settle();
     std::size_t pending = 0;
     for (double level = kFirstLevel; level < widest || pending > 0; level *= kNextLevel) {
@@ -110,13 +125,54 @@ class Judge {
       level = kFirstLevel / kNextLevel;
     }
     for (int i = 0; i < kMaxReviews && review(); ++i) relax(*between_);
-    relax(*makeRelaxer(params_));
-    settle();
-    explainRefusals();
-    return std::move(result_);
   }
 
- private:
+  /// A run of lies that came in first bends odometry around itself and has the truth beside it refused. The
+  /// accepted group with most refused closures beside it leaves for a trial, and what was denied may enter
+  /// again; the larger set of the two stays. Returns whether there was a group left to try.
+  bool tryWithoutTheWorst() {
+    std::vector<std::uint32_t> refused;  // by position along the drive
+    for (std::size_t i = 0; i < closures_.size(); ++i)
+      if (!result_.decisions[i].accepted &&
+          (mayEnter(i) || result_.decisions[i].reason == ClosureReason::kContradicted))
+        refused.push_back(groups_.late[i]);
+    std::sort(refused.begin(), refused.end());
+    std::size_t worst = groups_.groups.size();
+    std::ptrdiff_t most = 0;
+    for (std::size_t g = 0; g < groups_.groups.size(); ++g) {
+      const auto& members = groups_.groups[g];
+      const std::size_t middle = members[members.size() / 2];
+      if (tried_.contains(g) || !result_.decisions[middle].accepted) continue;
+      const std::uint32_t at = groups_.late[middle];
+      const auto beside = std::upper_bound(refused.begin(), refused.end(), at + kBeside) -
+                          std::lower_bound(refused.begin(), refused.end(), at - std::min(at, kBeside));
+      if (beside > std::max(most, static_cast<std::ptrdiff_t>(members.size()) / 2)) {
+        most = beside;
+        worst = g;
+      }
+    }
+    if (worst == groups_.groups.size()) return false;
+    tried_.insert(worst);
+    const RobustRelaxation before = result_;
+    const std::size_t count = accepted();
+    for (ClosureDecision& d : result_.decisions)
+      if (d.reason == ClosureReason::kContradicted) d.reason = ClosureReason::kUnsupported;
+    for (const std::size_t i : groups_.groups[worst])
+      set(result_.decisions[i], false, ClosureReason::kContradicted);
+    relax(*between_);
+    enter();
+    if (accepted() > count) return true;
+    // Its neighbours would fare the same.
+    for (std::size_t g = 0; g < groups_.groups.size(); ++g) {
+      const std::uint32_t at = groups_.late[groups_.groups[g].front()],
+                          there = groups_.late[groups_.groups[worst].front()];
+      if (std::max(at, there) - std::min(at, there) < kBeside / 4) tried_.insert(g);
+    }
+    result_ = before;
+    trusted_.poses = result_.relaxation.poses;
+    return true;
+  }
+
   /// The extent of the estimate [m]: no level needs to be wider.
   double extent() const {
     double most = 1;
@@ -185,6 +241,7 @@ class Judge {
   std::span<const Constraint> closures_;
   ClosureGroups groups_;
   Graph graph_;
+  std::set<std::size_t> tried_;  // groups
   std::optional<Gate> gate_;
   std::unique_ptr<Relaxer> between_;
   RobustRelaxation result_;
