@@ -26,7 +26,7 @@ struct ExperimentOptions {
 
 /// Claims a folder for one experiment. What an earlier run with the same settings left there is used again;
 /// the settings are kept in `experiment.ini` in it. Throws base::Error when the folder holds results of other
-/// settings and `overwrite` is false; with it, what that experiment made is removed.
+/// settings and `overwrite` is false; with it, the results of that experiment are removed.
 void claimFolder(const ExperimentOptions& options, const std::string& settings);
 
 }  // namespace engram::apps

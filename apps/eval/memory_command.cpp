@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <ostream>
@@ -56,7 +57,29 @@ void printTable(const std::vector<LabFigure>& figures, int update, std::ostream&
 
 }  // namespace
 
-void MemoryCommand::declare(CLI::App& command) { options_.declare(command); }
+void MemoryCommand::declare(CLI::App& command) {
+  options_.declare(command);
+  command
+      .add_option("--methods", methods_,
+                  "Only these, separated by commas; the first is compared with the others. No sweeps then")
+      ->delimiter(',');
+}
+
+std::vector<Method> MemoryCommand::chosenMethods() const {
+  const auto all = comparedMethods(pipeline_, lab_.bow_words);
+  if (methods_.empty()) return all;
+  std::vector<Method> chosen;
+  for (const auto& name : methods_) {
+    const auto at = std::find_if(all.begin(), all.end(), [&](const Method& m) { return m.name == name; });
+    if (at == all.end()) {
+      std::string names;
+      for (const auto& m : all) names += " " + m.name;
+      throw base::Error("--methods: there is no '" + name + "'; there are" + names);
+    }
+    chosen.push_back(*at);
+  }
+  return chosen;
+}
 
 std::string MemoryCommand::readConfig() {
   // The protocol of the papers for every method: the motion model is F eq (7), and the sensor model F eq (9)
@@ -85,12 +108,13 @@ int MemoryCommand::run(std::ostream& out, std::ostream& err) {
   MemoryLab lab(lab_, pipeline_,
                 {options_.folder, options_.seed, options_.threadsInUse(), options_.quiet ? nullptr : &err});
   lab.record();
-  const auto runs = lab.run(comparedMethods(pipeline_, lab_.bow_words), conditions(), "runs");
+  const auto runs = lab.run(chosenMethods(), conditions(), "runs");
   const auto figures = figuresOf(runs, lab.sequences(), lab_.sequence_length);
 
   const std::vector<Condition> extremes{conditions().front(), conditions().back()};
-  const auto sweeps =
-      options_.quick ? std::vector<MethodRun>() : lab.run(sweptMethods(pipeline_), extremes, "sweeps");
+  const auto sweeps = options_.quick || !methods_.empty()
+                          ? std::vector<MethodRun>()
+                          : lab.run(sweptMethods(pipeline_), extremes, "sweeps");
   const MemoryReport report{figures,
                             runs,
                             figuresOf(sweeps, lab.sequences(), lab_.sequence_length),

@@ -17,9 +17,11 @@ class MemoryCommand {
 
  private:
   std::string readConfig();
+  std::vector<Method> chosenMethods() const;
   void writeResults(const MemoryReport& report) const;
 
   ExperimentOptions options_;
+  std::vector<std::string> methods_;  ///< --methods; none: all
   MemoryLabParams lab_;
   pipeline::PipelineParams pipeline_;
 };

@@ -3,6 +3,7 @@
 #include "recorded_drive.h"
 
 #include "engram/base/atomic_file.h"
+#include "engram/base/config.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/parallel.h"
@@ -16,6 +17,7 @@
 #include <fstream>
 #include <mutex>
 #include <numeric>
+#include <sstream>
 
 namespace engram::apps {
 namespace fs = std::filesystem;
@@ -37,7 +39,28 @@ Eigen::Isometry3d poseFrom(const json& values) {
   return pose;
 }
 
-void save(const std::string& stem, const RecordedDrive& drive, bool noisy) {
+/// Everything that drives depend on, as text.
+std::string describe(const world::World& world, const world::Eyes& eyes, features::ExtractorParams extractor,
+                     double noise) {
+  world::WorldParams params = world.params();
+  base::Config config;
+  config.bind("change", params.change);
+  config.bind("drive", params.drive);
+  config.bind("sensor", params.sensor);
+  config.bind("extractor", extractor);
+  std::ostringstream text;
+  text << config.dump() << world.plan().toText() << cameras::toText(eyes.left) << "seed " << params.seed
+       << ", noise " << noise;
+  return text.str();
+}
+
+bool isRecorded(const std::string& stem, const std::string& madeWith) {
+  std::ifstream in(stem + ".json");
+  const json file = json::parse(in, nullptr, false);
+  return file.is_object() && file.value("made_with", std::string()) == madeWith;
+}
+
+void save(const std::string& stem, const RecordedDrive& drive, bool noisy, const std::string& madeWith) {
   json samples = json::array();
   std::vector<types::Features> features;
   for (const auto& s : drive.samples) {
@@ -51,7 +74,8 @@ void save(const std::string& stem, const RecordedDrive& drive, bool noisy) {
   store::writeFeatureFile(stem + ".features", features, true);
   // Last: a drive counts as recorded from here on.
   base::writeText(stem + ".json",
-                  json{{"session", drive.session},
+                  json{{"made_with", madeWith},
+                       {"session", drive.session},
                        {"weather", drive.weather},
                        {"tour_length", drive.tourLength},
                        {"noisy", noisy},
@@ -88,7 +112,7 @@ RecordedDrive load(const std::string& stem) {
 }  // namespace
 
 Selection nearestToStations(int stations, double tourLength) {
-  return [=](const std::vector<double>& arcs) {
+  const auto choose = [=](const std::vector<double>& arcs) {
     std::vector<std::size_t> chosen;
     for (int k = 0; k < stations && !arcs.empty(); ++k) {
       const double station = tourLength * k / stations;
@@ -99,14 +123,16 @@ Selection nearestToStations(int stations, double tourLength) {
     }
     return chosen;
   };
+  return {"nearest to " + std::to_string(stations) + " stations", choose};
 }
 
 Selection allImages() {
-  return [](const std::vector<double>& arcs) {
+  const auto choose = [](const std::vector<double>& arcs) {
     std::vector<std::size_t> all(arcs.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     return all;
   };
+  return {"all", choose};
 }
 
 void addNoise(cv::Mat& image, double sigma, std::uint64_t seed) {
@@ -136,6 +162,7 @@ types::Features without(const types::Features& features, double share, std::uint
 DriveRecorder::DriveRecorder(const world::World& world, world::Eyes eyes,
                              const features::ExtractorParams& extractor, Options options)
     : world_(world),
+      madeWith_(describe(world, eyes, extractor, options.noise)),
       eyes_(std::move(eyes)),
       perception_(eyes_.left, extractor),
       options_(std::move(options)) {}
@@ -145,10 +172,9 @@ RecordedDrive DriveRecorder::record(int session, world::DriveKind kind, const Se
   const bool test = kind == world::DriveKind::kTest;
   const std::string name = (test ? "test_" : "tour_") + std::to_string(session);
   const std::string stem = (fs::path(options_.folder) / name).string();
-  if (!fs::exists(stem + ".json")) {
-    const RecordedDrive drive = render(session, kind, selection, progress);
-    save(stem, drive, options_.noise > 0);
-  }
+  const std::string madeWith = madeWith_ + ", images: " + selection.name;
+  if (!isRecorded(stem, madeWith))
+    save(stem, render(session, kind, selection, progress), options_.noise > 0, madeWith);
   return load(stem);
 }
 
@@ -158,7 +184,7 @@ RecordedDrive DriveRecorder::render(int session, world::DriveKind kind, const Se
   std::vector<double> arcs;
   for (const double t : day.drive().imageTimes())
     arcs.push_back(std::fmod(day.drive().arcLengthAt(t), world_.route().length()));
-  const auto chosen = selection(arcs);
+  const auto chosen = selection.choose(arcs);
 
   RecordedDrive drive{session, day.appearance().inWords(), world_.route().length(), {}};
   drive.samples.resize(chosen.size());

@@ -33,13 +33,17 @@ struct RecordedDrive {
 };
 
 /// Which images of a drive are taken, by their position along the tour [m].
-using Selection = std::function<std::vector<std::size_t>(const std::vector<double>& arcs)>;
+struct Selection {
+  std::string name;  ///< tells selections apart
+  std::function<std::vector<std::size_t>(const std::vector<double>& arcs)> choose;
+};
 
 /// The image nearest to each of `stations` points evenly spaced along a closed tour.
 Selection nearestToStations(int stations, double tourLength);
 Selection allImages();
 
-/// Renders drives and extracts their features once; later runs read them from the folder.
+/// Renders drives and extracts their features once; later runs read them from the folder, but only what the
+/// same world, camera, extractor and selection made.
 class DriveRecorder {
  public:
   /// @param noise sigma of the image noise, of intensities in [0, 1] (F-E15); 0 makes no noisy features.
@@ -61,6 +65,7 @@ class DriveRecorder {
                        const std::function<void(std::size_t)>& progress) const;
 
   const world::World& world_;
+  std::string madeWith_;  // all that the features depend on
   world::Eyes eyes_;
   pipeline::Perception perception_;
   Options options_;

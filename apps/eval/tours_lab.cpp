@@ -124,7 +124,7 @@ std::vector<ToursRun> ToursLab::run(const std::vector<Method>& methods) {
 std::vector<std::size_t> ToursLab::chosenImages(const RecordedDrive& first) const {
   std::vector<double> arcs;
   for (const Sample& sample : first.samples) arcs.push_back(sample.arc);
-  return nearestToStations(params_.places, first.tourLength)(arcs);
+  return nearestToStations(params_.places, first.tourLength).choose(arcs);
 }
 
 /// Tour by tour, so that one drive is in memory at a time; the methods side by side.
