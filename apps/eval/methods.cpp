@@ -30,7 +30,9 @@ std::vector<Method> comparedMethods(const pipeline::PipelineParams& pipeline, in
                               {"bow_80", pipeline, 80},
                               {"bow_" + std::to_string(bowWords), pipeline, bowWords},
                               memoryMethod("static", pipeline, "static"),
-                              memoryMethod("replace", pipeline, "replace")};
+                              memoryMethod("replace", pipeline, "replace"),
+                              memoryMethod("fsh_learned", pipeline, "fsh")};
+  methods.back().params.fsh.thresholds = "learned";
   return methods;
 }
 
