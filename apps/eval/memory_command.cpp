@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// The small version: the same steps on a small building.
-void shrink(MemoryLabParams& lab) {
+void shrink(MemoryLabParams& lab, StaticPlaceParams& place) {
   lab.preset = "tiny";
   lab.places = 20;
   lab.updates = 3;
@@ -30,6 +30,8 @@ void shrink(MemoryLabParams& lab) {
   lab.sequences = 20;
   lab.sequence_length = 5;
   lab.bow_words = 200;
+  place.days = 2;
+  place.images = 6;
 }
 
 std::string percent(const evaluation::Interval& i) {
@@ -87,12 +89,13 @@ std::string MemoryCommand::readConfig() {
   // the similarity of F eq (8) is a share of the memory.
   pipeline_.belief.advance = "none";
   pipeline_.belief.new_place_similarity = 0.0;
-  if (options_.quick) shrink(lab_);
+  if (options_.quick) shrink(lab_, staticPlace_);
   base::IniFile ini = options_.config.empty() ? base::IniFile::parse("", "command line")
                                               : base::IniFile::load(options_.config);
   for (const auto& assignment : options_.overrides) ini.override(assignment);
   base::Config config;
   config.bind("memory_lab", lab_);
+  config.bind("static_place", staticPlace_);
   pipeline_.bind(config);
   config.read(ini);
   return config.dump();
@@ -105,20 +108,25 @@ int MemoryCommand::run(std::ostream& out, std::ostream& err) {
     return kOk;
   }
   claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) + "\n");
-  MemoryLab lab(lab_, pipeline_,
-                {options_.folder, options_.seed, options_.threadsInUse(), options_.quiet ? nullptr : &err});
+  const MemoryLab::Options labOptions{options_.folder, options_.seed, options_.threadsInUse(),
+                                      options_.quiet ? nullptr : &err};
+  MemoryLab lab(lab_, pipeline_, labOptions);
   lab.record();
   const auto runs = lab.run(chosenMethods(), conditions(), "runs");
   const auto figures = figuresOf(runs, lab.sequences(), lab_.sequence_length);
 
-  const std::vector<Condition> extremes{conditions().front(), conditions().back()};
-  const auto sweeps = options_.quick || !methods_.empty()
-                          ? std::vector<MethodRun>()
-                          : lab.run(sweptMethods(pipeline_), extremes, "sweeps");
+  std::vector<MethodRun> sweeps;
+  std::vector<StaticPlaceResult> places;
+  if (methods_.empty()) {
+    const std::vector<Condition> extremes{conditions().front(), conditions().back()};
+    if (!options_.quick) sweeps = lab.run(sweptMethods(pipeline_), extremes, "sweeps");
+    places = staticPlace(staticPlace_, lab_.preset, pipeline_, labOptions);
+  }
   const MemoryReport report{figures,
                             runs,
                             figuresOf(sweeps, lab.sequences(), lab_.sequence_length),
                             advantagesOfFirst(runs, lab.sequences(), lab_.sequence_length),
+                            places,
                             lab.drives(),
                             lab_,
                             settings,
@@ -126,6 +134,7 @@ int MemoryCommand::run(std::ostream& out, std::ostream& err) {
   writeResults(report);
   if (!options_.quiet) {
     printTable(figures, lab_.updates, out);
+    if (!places.empty()) out << toText(places);
     out << "report: " << (fs::path(options_.folder) / "report.html").string() << "\n";
   }
   return kOk;
@@ -139,7 +148,8 @@ void MemoryCommand::writeResults(const MemoryReport& report) const {
   writeJson(options_.json, {{"seed", report.seed},
                             {"results", toJson(report.figures)},
                             {"sweeps", toJson(report.swept)},
-                            {"advantages", toJson(report.advantages)}});
+                            {"advantages", toJson(report.advantages)},
+                            {"static_place", toJson(report.staticPlaces)}});
 }
 
 }  // namespace engram::apps

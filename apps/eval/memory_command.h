@@ -4,6 +4,7 @@
 
 #include "experiment_folder.h"
 #include "memory_report.h"
+#include "static_place.h"
 
 #include <iosfwd>
 
@@ -23,6 +24,7 @@ class MemoryCommand {
   ExperimentOptions options_;
   std::vector<std::string> methods_;  ///< --methods; none: all
   MemoryLabParams lab_;
+  StaticPlaceParams staticPlace_;
   pipeline::PipelineParams pipeline_;
 };
 

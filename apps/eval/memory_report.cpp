@@ -205,6 +205,31 @@ void addSweeps(Page& page, const MemoryReport& report) {
   page.endRow();
 }
 
+void addStaticPlaces(Page& page, const MemoryReport& report) {
+  if (report.staticPlaces.empty()) return;
+  page.heading("A robot that stands still");
+  exporters::Table table;
+  table.caption =
+      "Mean similarity of all images to what the place remembers; days are the blocks of the interval. The "
+      "paper: 88.8 % with the FSH, 58.2 % without";
+  table.header = {"place", "method", "similarity [%]", "learnt from"};
+  std::map<std::string, std::vector<Curve>> curves;  // by place
+  for (const auto& r : report.staticPlaces) {
+    table.rows.push_back({r.place, r.method, interval(r.mean, 100, 1), Cell(r.learnt, 0)});
+    auto& here = curves[r.place];
+    here.push_back({r.method, static_cast<int>(here.size()), {}});
+    for (std::size_t i = 0; i < r.similarities.size(); ++i)
+      here.back().points.push_back({static_cast<double>(i + 2), {100 * r.similarities[i]}});
+  }
+  page.beginRow();
+  for (const auto& [place, lines] : curves)
+    page.figure(exporters::curveChart({"Place: " + place, "image", "similarity [%]"}, lines),
+                "Similarity of each image to the memory made from those before it (compare figure 8 of the "
+                "paper)");
+  page.endRow();
+  page.table(table);
+}
+
 void addDrives(Page& page, const MemoryReport& report) {
   page.heading("The drives");
   exporters::Table table;
@@ -245,6 +270,7 @@ std::string toHtml(const MemoryReport& report) {
   addMemory(page, report);
   addLearning(page, report);
   addSweeps(page, report);
+  addStaticPlaces(page, report);
   addDrives(page, report);
   page.heading("What made this page");
   page.paragraph("Seed " + std::to_string(report.seed) + ". The same command gives the same figures.");

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "lab_figures.h"
+#include "static_place.h"
 
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@ struct MemoryReport {
   std::vector<MethodRun> runs;
   std::vector<LabFigure> swept;  ///< empty when no sweep was run
   std::vector<Advantage> advantages;
+  std::vector<StaticPlaceResult> staticPlaces;  ///< empty when it was not run
   LabDrives drives;
   MemoryLabParams lab;
   std::string settings;  ///< the configuration in force
