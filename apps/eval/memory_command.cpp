@@ -107,12 +107,13 @@ int MemoryCommand::run(std::ostream& out, std::ostream& err) {
     out << settings;
     return kOk;
   }
+  const std::vector<Method> methods = chosenMethods();
   claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) + "\n");
   const MemoryLab::Options labOptions{options_.folder, options_.seed, options_.threadsInUse(),
                                       options_.quiet ? nullptr : &err};
   MemoryLab lab(lab_, pipeline_, labOptions);
   lab.record();
-  const auto runs = lab.run(chosenMethods(), conditions(), "runs");
+  const auto runs = lab.run(methods, conditions(), "runs");
   const auto figures = figuresOf(runs, lab.sequences(), lab_.sequence_length);
 
   std::vector<MethodRun> sweeps;
