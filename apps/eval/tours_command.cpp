@@ -6,7 +6,7 @@
 #include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
 #include "methods.h"
-#include "tours_figures.h"
+#include "tours_report.h"
 
 #include <nlohmann/json.hpp>
 
@@ -61,13 +61,17 @@ int ToursCommand::run(std::ostream& out, std::ostream& err) {
   const auto runs = lab.run(touredMethods(pipeline_));
   const auto figures = figuresOf(runs, tours_.few_matches);
   base::writeText((fs::path(options_.folder) / "tours.csv").string(), toCsv(runs, tours_.few_matches), true);
+  base::writeText((fs::path(options_.folder) / "report.html").string(),
+                  toHtml(figures, runs, tours_, settings, options_.seed), true);
   writeJson(options_.json, {{"seed", options_.seed},
                             {"few_matches", tours_.few_matches},
                             {"tours", toJson(figures)},
                             {"paper",
                              {{"adaptive", {{"failure_rate", 0.015}, {"share_under_35", 0.24}}},
                               {"static", {{"failure_rate", 0.035}, {"share_under_35", 0.43}}}}}});
-  if (!options_.quiet) out << toText(figures, runs, tours_.few_matches);
+  if (!options_.quiet)
+    out << toText(figures, runs, tours_.few_matches)
+        << "report: " << (fs::path(options_.folder) / "report.html").string() << "\n";
   return kOk;
 }
 
