@@ -32,7 +32,7 @@ void ToursCommand::declare(CLI::App& command) { options_.declare(command); }
 
 std::string ToursCommand::readConfig() {
   if (options_.quick) {  // the same steps in a small building
-    tours_ = {"tiny", 4, 6, tours_.few_matches};
+    tours_ = {"tiny", 4, 6, tours_.learn, tours_.few_matches};
     world_.change.sudden_sessions = "3";
     world_.drive.spacing = 0.8;
   }

@@ -27,11 +27,11 @@ double dayOf(const RecordedDrive& drive) { return std::floor(drive.samples.front
 
 TourRecord through(const RecordedDrive& drive, double day, TourMemory& memory) {
   TourRecord record{drive.session, day, drive.weather, {}, {}};
-  memory.startTour();
   for (const Sample& sample : drive.samples) {
     record.queries.push_back(memory.see(sample.features));
     record.queries.back().arc = sample.arc;
   }
+  memory.finishTour();
   std::vector<const memory::PlaceMemory*> places;
   for (const auto& place : memory.places()) places.push_back(&place);
   record.holdings = holdingsOf(places);
@@ -44,6 +44,7 @@ void ToursParams::describe(base::Params& p) {
   p.addChoice("preset", preset, "building of the simulator", {"tiny", "office", "corridors"});
   p.add("tours", tours, "tours; the first makes the map, the others are located", {2, 1000});
   p.add("places", places, "places, evenly spaced along the first tour", {2, 1000});
+  p.addChoice("learn", learn, "when a place learns; the paper: at_once", {"after_tour", "at_once"});
   p.add("few_matches", few_matches, "fewer matched points than this count as few", {1, 10000});
 }
 
@@ -63,8 +64,10 @@ int TourPlaces::nearest(double arc) const {
   return static_cast<int>(best - arcs_.begin());
 }
 
-TourMemory::TourMemory(const pipeline::PipelineParams& params, const std::vector<types::Features>& firstViews)
-    : params_(params),
+TourMemory::TourMemory(const pipeline::PipelineParams& params, const std::vector<types::Features>& firstViews,
+                       bool atOnce)
+    : atOnce_(atOnce),
+      params_(params),
       model_(memory::makeMemoryModel(params.memory, params.fsh, params.multi_store)),
       gate_(params.memory) {
   for (const types::Features& view : firstViews) {
@@ -92,11 +95,29 @@ TourQuery TourMemory::see(const types::Features& view) {
   if (!pipeline::strongEnough(match, params_.recognise)) return query;
   gate_.accepted(base::PlaceId(static_cast<std::uint32_t>(at)));
   if (!gate_.open()) return query;
-  model_->update(places_[at], pipeline::inPlaceFrame(view, match.R_place_view), match.matches);
   gate_.learnt();
-  placeChanged(at);
   query.learnt = true;
+  if (atOnce_)
+    learn(at, view, match);
+  else
+    lessons_.push_back({at, view});
   return query;
+}
+
+void TourMemory::learn(std::size_t place, const types::Features& view, const pipeline::PlaceMatch& match) {
+  model_->update(places_[place], pipeline::inPlaceFrame(view, match.R_place_view), match.matches);
+  placeChanged(place);
+}
+
+/// Each view is matched again: its place may have learnt from one before it.
+void TourMemory::finishTour() {
+  for (const Lesson& lesson : lessons_) {
+    const auto match =
+        pipeline::matchToPlace(lesson.view, places_[lesson.place], params_.match, params_.verify);
+    if (pipeline::strongEnough(match, params_.recognise)) learn(lesson.place, lesson.view, match);
+  }
+  lessons_.clear();
+  gate_.restart();
 }
 
 ToursLab::ToursLab(const ToursParams& params, const world::WorldParams& world,
@@ -154,7 +175,8 @@ std::vector<ToursRun> ToursLab::measure(const std::vector<Method>& methods) cons
   }
   std::vector<std::unique_ptr<TourMemory>> memories;
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    memories.push_back(std::make_unique<TourMemory>(methods[m].params, firstViews));
+    memories.push_back(
+        std::make_unique<TourMemory>(methods[m].params, firstViews, params_.learn == "at_once"));
     runs[m] = {methods[m].name, length, arcs, {}};
   }
   for (int tour = 2; tour <= params_.tours; ++tour) {

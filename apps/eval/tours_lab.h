@@ -7,6 +7,7 @@
 #include "engram/features/place_matcher.h"
 #include "engram/memory/models.h"
 #include "engram/pipeline/pass_gate.h"
+#include "engram/pipeline/place_match.h"
 #include "recorded_drive.h"
 
 #include <cstdint>
@@ -19,10 +20,11 @@ namespace engram::apps {
 
 /// Section `[tours]`: the protocol of D-10 and D-11.
 struct ToursParams {
-  std::string preset = "office";  ///< building of the simulator
-  int tours = 36;                 ///< the first one makes the map
-  int places = 21;                ///< evenly spaced along the first tour; one image fills each (D-02)
-  int few_matches = 35;           ///< fewer matched points than this count as few (D-11)
+  std::string preset = "office";     ///< building of the simulator
+  int tours = 36;                    ///< the first one makes the map
+  int places = 21;                   ///< evenly spaced along the first tour; one image fills each (D-02)
+  std::string learn = "after_tour";  ///< when a place learns: `after_tour`, or `at_once` as the paper
+  int few_matches = 35;              ///< fewer matched points than this count as few (D-11)
 
   void describe(base::Params& p);
 };
@@ -51,7 +53,7 @@ struct TourQuery {
   int winner = -1;      ///< the place with the most matched points; -1 when no place has any
   int matched = 0;      ///< of its long-term features, by descriptors alone
   int verified = 0;     ///< of its long-term features, confirmed by geometry; 0 when that refuses the place
-  bool learnt = false;  ///< the winner has learnt from this image
+  bool learnt = false;  ///< the winner learns from this image
 
   bool operator==(const TourQuery&) const = default;
 };
@@ -60,9 +62,13 @@ struct TourQuery {
 class TourMemory {
  public:
   /// @param firstViews one image a place (D-02)
-  TourMemory(const pipeline::PipelineParams& params, const std::vector<types::Features>& firstViews);
+  /// @param atOnce a place learns from the image at hand; else from all images of a tour at its end, since
+  /// images in a row resemble each other more than any remembered view
+  TourMemory(const pipeline::PipelineParams& params, const std::vector<types::Features>& firstViews,
+             bool atOnce);
 
-  void startTour() { gate_.restart(); }
+  /// To be called at the end of a tour.
+  void finishTour();
   /// Winner takes all on matched points (D-03; of equal ones the lower number). The winner learns when
   /// geometry confirms it as the product asks (D-E4, X-07): whether it is the true place is not looked at.
   TourQuery see(const types::Features& view);
@@ -70,8 +76,16 @@ class TourMemory {
   const std::vector<memory::PlaceMemory>& places() const { return places_; }
 
  private:
-  void placeChanged(std::size_t place);
+  struct Lesson {
+    std::size_t place;
+    types::Features view;
+  };
 
+  void placeChanged(std::size_t place);
+  void learn(std::size_t place, const types::Features& view, const pipeline::PlaceMatch& match);
+
+  bool atOnce_;
+  std::vector<Lesson> lessons_;
   pipeline::PipelineParams params_;
   std::unique_ptr<memory::MemoryModel> model_;
   pipeline::PassGate gate_;

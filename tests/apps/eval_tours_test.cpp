@@ -115,7 +115,7 @@ TEST(TourPlaces, HoldOnAnyRing) {
 }
 
 TEST(TourMemory, WinnerHasTheMostMatchesNotTheLargestShare) {
-  TourMemory memory(paramsOf("static"), {view(range(0, 200)), view(range(300, 340))});
+  TourMemory memory(paramsOf("static"), {view(range(0, 200)), view(range(300, 340))}, true);
   const TourQuery query = memory.see(view(joined(range(0, 60), range(300, 340))));
   EXPECT_EQ(query.winner, 0);  // 60 of 200 against 40 of 40
   EXPECT_EQ(query.matched, 60);
@@ -127,7 +127,7 @@ TEST(TourMemory, WinnerHasTheMostMatchesNotTheLargestShare) {
 
 // Short-term features do not vote (D-03): 40 new ones at place 1, seen once, are no evidence for it yet.
 TEST(TourMemory, OnlyLongTermFeaturesVote) {
-  TourMemory memory(paramsOf("multi_store"), {view(range(0, 30)), view(range(100, 150))});
+  TourMemory memory(paramsOf("multi_store"), {view(range(0, 30)), view(range(100, 150))}, true);
   ASSERT_TRUE(memory.see(view(joined(range(100, 150), range(500, 540)))).learnt);
   ASSERT_EQ(memory.places()[1].longTerm().size(), 50u);
   ASSERT_EQ(memory.places()[1].features.size(), 90u);
@@ -139,7 +139,7 @@ TEST(TourMemory, OnlyLongTermFeaturesVote) {
 // D-E4, X-07: descriptors that agree in directions that do not must win and yet change nothing.
 TEST(TourMemory, UnverifiedImagesNeverChangeAMemory) {
   for (const std::string model : {"multi_store", "fsh", "static", "replace"}) {
-    TourMemory memory(paramsOf(model), {view(range(0, 80)), view(range(100, 180))});
+    TourMemory memory(paramsOf(model), {view(range(0, 80)), view(range(100, 180))}, true);
     const auto before = memory.places();
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const TourQuery query = memory.see(scrambled(view(joined(range(100, 170), range(900, 920))), seed));
@@ -162,15 +162,30 @@ TEST(TourMemory, LearnsOncePerPassWhenAskedTo) {
   auto params = paramsOf("multi_store");
   params.memory.update_policy = "per_pass";
   const types::Features a = view(range(0, 80)), b = view(range(100, 180));
-  TourMemory memory(params, {a, b});
-  memory.startTour();
+  TourMemory memory(params, {a, b}, true);
+  memory.finishTour();
   EXPECT_TRUE(memory.see(a).learnt);
   EXPECT_FALSE(memory.see(a).learnt);
   EXPECT_TRUE(memory.see(b).learnt);
   EXPECT_TRUE(memory.see(a).learnt);
   EXPECT_FALSE(memory.see(a).learnt);
-  memory.startTour();
+  memory.finishTour();
   EXPECT_TRUE(memory.see(a).learnt);
+}
+
+// What is seen on a tour does not depend on what was learnt on it.
+TEST(TourMemory, LearnsAtTheEndOfTheTour) {
+  const types::Features first = view(range(0, 80));
+  const types::Features later = view(joined(range(0, 60), range(200, 230)));
+  TourMemory late(paramsOf("replace"), {first}, false), atOnce(paramsOf("replace"), {first}, true);
+  const auto before = late.places();
+  EXPECT_TRUE(late.see(later).learnt);
+  EXPECT_TRUE(same(late.places()[0], before[0]));
+  EXPECT_EQ(late.see(later).matched, 60);
+  late.finishTour();
+  atOnce.see(later);
+  EXPECT_EQ(atOnce.see(later).matched, 90);
+  EXPECT_EQ(late.see(later).matched, 90);
 }
 
 /// Two tours of four images; places at 0, 3, 6 and 9 m of 12 m.
