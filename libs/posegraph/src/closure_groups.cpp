@@ -39,6 +39,9 @@ class Grouper {
         bound_(chi2Bound(params.gate_probability, planar ? 3 : 6)) {
     out_.decisions.resize(closures.size());
     out_.late.assign(closures.size(), 0);
+    for (const Constraint& c : trusted.constraints)
+      out_.trustedLate.push_back(
+          std::max(tree_.order(tree_.index().index(c.a)), tree_.order(tree_.index().index(c.b))));
     for (std::size_t i = 0; i < closures.size(); ++i) {
       const Constraint& c = closures[i];
       if (!c.T_a_b.hasScale || !brokenRule(c).empty() || !trusted.poses.contains(c.a) ||

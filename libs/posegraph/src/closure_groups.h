@@ -12,6 +12,7 @@ struct ClosureGroups {
   std::vector<ClosureDecision> decisions;        ///< kOutvoted, kUnusable or kUnsupported; `support` is set
   std::vector<std::uint32_t>
       late;  ///< of each closure, the later end: position along odometry; 0 for unusable ones
+  std::vector<std::uint32_t> trustedLate;  ///< the same of each trusted constraint
 };
 
 /// Groups closures whose ends are near each other along odometry at both sides and whose cycle agrees, then

@@ -18,6 +18,7 @@ constexpr double kNextLevel = 1.4;
 constexpr std::size_t kShare = 5;  // relaxed again when one in so many is new
 constexpr int kMaxReviews = 8;
 constexpr int kMaxTrials = 20;
+constexpr int kMaxFailures = 4;
 constexpr std::uint32_t kBeside = 60;  // [places]
 
 using Decisions = std::vector<ClosureDecision>;
@@ -100,7 +101,7 @@ class Judge {
     relax(*between_);
     if (review()) relax(*between_);
     enter();
-    for (int i = 0; i < kMaxTrials && tryWithoutTheWorst(); ++i) {
+    for (int i = 0; i < kMaxTrials && failures_ < kMaxFailures && tryWithoutTheWorst(); ++i) {
     }
     relax(*makeRelaxer(params_));
     settle();
@@ -127,9 +128,30 @@ class Judge {
     for (int i = 0; i < kMaxReviews && review(); ++i) relax(*between_);
   }
 
+  static std::ptrdiff_t countBeside(const std::vector<std::uint32_t>& sorted, std::uint32_t at) {
+    return std::upper_bound(sorted.begin(), sorted.end(), at + kBeside) -
+           std::lower_bound(sorted.begin(), sorted.end(), at - std::min(at, kBeside));
+  }
+
+  /// Where the relaxed graph denies a trusted constraint, by position along the drive.
+  std::vector<std::uint32_t> strainedOdometry() const {
+    const double bound = chi2Bound(params_.gate.gate_probability, params_.planar ? 3 : 6);
+    std::vector<std::uint32_t> out;
+    for (std::size_t i = 0; i < trusted_.constraints.size(); ++i) {
+      const Constraint& c = trusted_.constraints[i];
+      if (!c.T_a_b.hasScale) continue;
+      const auto gap = residual(c.T_a_b, trusted_.poses.at(c.a), trusted_.poses.at(c.b));
+      if (testGap(gap, types::Matrix6d::Zero(), c.T_a_b.cov, params_.planar).chi2 > bound)
+        out.push_back(groups_.trustedLate[i]);
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
   /// A run of lies that came in first bends odometry around itself and has the truth beside it refused. The
-  /// accepted group with most refused closures beside it leaves for a trial, and what was denied may enter
-  /// again; the larger set of the two stays. Returns whether there was a group left to try.
+  /// accepted group with most refused closures beside it, and odometry under strain, leaves for a trial, and
+  /// what was denied may enter again; the larger set of the two stays. Returns whether there was a group left
+  /// to try.
   bool tryWithoutTheWorst() {
     std::vector<std::uint32_t> refused;  // by position along the drive
     for (std::size_t i = 0; i < closures_.size(); ++i)
@@ -137,6 +159,7 @@ class Judge {
           (mayEnter(i) || result_.decisions[i].reason == ClosureReason::kContradicted))
         refused.push_back(groups_.late[i]);
     std::sort(refused.begin(), refused.end());
+    const std::vector<std::uint32_t> strained = strainedOdometry();
     std::size_t worst = groups_.groups.size();
     std::ptrdiff_t most = 0;
     for (std::size_t g = 0; g < groups_.groups.size(); ++g) {
@@ -144,8 +167,8 @@ class Judge {
       const std::size_t middle = members[members.size() / 2];
       if (tried_.contains(g) || !result_.decisions[middle].accepted) continue;
       const std::uint32_t at = groups_.late[middle];
-      const auto beside = std::upper_bound(refused.begin(), refused.end(), at + kBeside) -
-                          std::lower_bound(refused.begin(), refused.end(), at - std::min(at, kBeside));
+      if (countBeside(strained, at) == 0) continue;
+      const auto beside = countBeside(refused, at);
       if (beside > std::max(most, static_cast<std::ptrdiff_t>(members.size()) / 2)) {
         most = beside;
         worst = g;
@@ -161,7 +184,11 @@ class Judge {
       set(result_.decisions[i], false, ClosureReason::kContradicted);
     relax(*between_);
     enter();
-    if (accepted() > count) return true;
+    if (accepted() > count) {
+      failures_ = 0;
+      return true;
+    }
+    ++failures_;
     // Its neighbours would fare the same.
     for (std::size_t g = 0; g < groups_.groups.size(); ++g) {
       const std::uint32_t at = groups_.late[groups_.groups[g].front()],
@@ -242,6 +269,7 @@ class Judge {
   ClosureGroups groups_;
   Graph graph_;
   std::set<std::size_t> tried_;  // groups
+  int failures_ = 0;
   std::optional<Gate> gate_;
   std::unique_ptr<Relaxer> between_;
   RobustRelaxation result_;
