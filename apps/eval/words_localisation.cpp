@@ -58,21 +58,27 @@ pipeline::PipelineParams with(const Transition& transition, const pipeline::Pipe
   return changed;
 }
 
-LocalisationWorld learnFirstLap(const KeptDrive& drive, const pipeline::PipelineParams& params) {
+LocalisationWorld learnFirstLap(const KeptDrive& learnt, const KeptDrive& shown,
+                                const pipeline::PipelineParams& params) {
   LocalisationWorld world;
+  world.learnt = learnt.truth;
+  const std::size_t firstLap = learnt.firstLapImages();
   pipeline::Mapper mapper(params);
+  learnt.forEachFrame([&](const types::Frame& frame) {
+    if (frame.index >= firstLap) return;
+    const auto outcome = mapper.process(frame).outcome;
+    world.learned += outcome != types::Outcome::kSkipped && outcome != types::Outcome::kUnusable;
+  });
+  mapper.finish();
+  world.map = std::move(mapper.map());
+
   pipeline::Perception perception(params.camera, params.extractor);
   ImageRule rule(params);
-  const std::size_t firstLap = drive.firstLapImages();
+  const std::size_t from = &learnt == &shown ? firstLap : 0;
   double seconds = 0;
-  drive.forEachFrame([&](const types::Frame& frame) {
-    if (frame.index < firstLap) {
-      const auto outcome = mapper.process(frame).outcome;
-      world.learned += outcome != types::Outcome::kSkipped && outcome != types::Outcome::kUnusable;
-      return;
-    }
-    if (!rule.uses(frame)) return;
-    PassImage image{frame, {}, drive.truth.at(frame.index).T_world_body};
+  shown.forEachFrame([&](const types::Frame& frame) {
+    if (frame.index < from || !rule.uses(frame)) return;
+    PassImage image{frame, {}, shown.truth.at(frame.index).T_world_body};
     types::FrameReport report;
     const double start = threadSeconds();
     if (auto features = perception.look(frame, 0, report)) image.features = std::move(*features);
@@ -80,19 +86,17 @@ LocalisationWorld learnFirstLap(const KeptDrive& drive, const pipeline::Pipeline
     image.frame.image = cv::Mat();
     world.images.push_back(std::move(image));
   });
-  mapper.finish();
-  world.map = std::move(mapper.map());
   world.shown = world.learned + static_cast<int>(world.images.size());
   world.extractionSeconds = seconds / static_cast<double>(std::max<std::size_t>(1, world.images.size()));
   return world;
 }
 
-LocalisationRun localise(const LocalisationWorld& world, const evaluation::Trajectory& truth,
-                         const Transition& transition, const pipeline::PipelineParams& params, int count,
-                         std::uint64_t seed, double rightWithin) {
+LocalisationRun localise(const LocalisationWorld& world, const Transition& transition,
+                         const pipeline::PipelineParams& params, int count, std::uint64_t seed,
+                         double rightWithin) {
   pipeline::Localizer localizer(with(transition, params), world.map);
   const auto isRight = [&](const PassImage& image, base::PlaceId id) {
-    const auto& place = truth.at(world.map.place(id).createdIndex).T_world_body;
+    const auto& place = world.learnt.at(world.map.place(id).createdIndex).T_world_body;
     return (place.translation() - image.T_world_robot.translation()).norm() <= rightWithin;
   };
   double seconds = 0;

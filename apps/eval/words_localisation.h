@@ -33,15 +33,18 @@ struct PassImage {
   Eigen::Isometry3d T_world_robot = Eigen::Isometry3d::Identity();
 };
 
-/// The map of the first round of a drive, and the images of the others.
+/// The map of the first round of a drive, and the images of another pass.
 struct LocalisationWorld {
   map::TopologicalMap map;
+  evaluation::Trajectory learnt;  ///< true poses of the images of the first round
   std::vector<PassImage> images;  ///< those that the rule of A-06 uses
   int learned = 0;                ///< images that the map was made from
   int shown = 0;                  ///< images of both passes that the rule uses: "#IMG" of table I
   double extractionSeconds = 0;   ///< processor time of the features of one image
 };
-LocalisationWorld learnFirstLap(const KeptDrive& drive, const pipeline::PipelineParams& params);
+/// @param shown another drive; when it is the same one, its rounds after the first are shown
+LocalisationWorld learnFirstLap(const KeptDrive& learnt, const KeptDrive& shown,
+                                const pipeline::PipelineParams& params);
 
 /// A-21 with one transition.
 struct LocalisationRun {
@@ -51,10 +54,9 @@ struct LocalisationRun {
   double msPerImage = 0;  ///< processor time, features included
 };
 
-/// @param truth of the drive: places have the poses of the images that made them
 /// @param rightWithin a place that the robot is nearer to than this is right [m]
-LocalisationRun localise(const LocalisationWorld& world, const evaluation::Trajectory& truth,
-                         const Transition& transition, const pipeline::PipelineParams& params, int attempts,
-                         std::uint64_t seed, double rightWithin);
+LocalisationRun localise(const LocalisationWorld& world, const Transition& transition,
+                         const pipeline::PipelineParams& params, int attempts, std::uint64_t seed,
+                         double rightWithin);
 
 }  // namespace engram::apps

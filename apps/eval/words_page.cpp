@@ -65,10 +65,10 @@ Curve curveOf(const std::string& label, int style, const MappingRun::Path& path)
 
 void addPaths(Page& page, const WordsWorldResult& result, const WordsPlan& plan) {
   for (const auto& run : result.mapping) {
-    const auto building = std::find_if(plan.buildings.begin(), plan.buildings.end(),
-                                       [&](const MappedBuilding& b) { return b.name == run.building; });
+    const auto drive = std::find_if(plan.drives.begin(), plan.drives.end(),
+                                    [&](const PlannedDrive& d) { return d.name == run.building; });
     page.heading("Map: " + run.building);
-    page.paragraph(building->about);
+    page.paragraph(drive->about);
     Curve right{"true closure", 2, {}}, wrong{"false closure", 4, {}};
     for (const auto& c : run.closures)
       (c.right ? right : wrong).points.push_back({c.position.x(), {c.position.y()}});

@@ -23,11 +23,20 @@ void WordsWorldParams::describe(base::Params& p) {
 }
 
 const WordsPlan& wordsPlan(bool quick) {
-  static const WordsPlan whole{{{"office", "office", 2, "a ring of corridors and four of its rooms"},
-                                {"corridors", "corridors", 2, "a ladder of corridors that look alike"}},
-                               {{"indoor", "corridors", "corridors that look alike"}}};
-  static const WordsPlan small{{{"tiny", "tiny", 2, "one corridor and a room"}},
-                               {{"indoor", "tiny", "one corridor and a room"}}};
+  static const WordsPlan whole{
+      {{"office", "office", 2, 1, true, "A ring of corridors and four of its rooms, twice round."},
+       {"corridors", "corridors", 2, 1, true, "A ladder of corridors that look alike, twice round."},
+       {"campus", "campus", 2, 1, true, "Streets between houses under the sky, twice round."},
+       {"loops", "loops", 1, 1, true,
+        "A drive of the paper's kind: a small loop in a room, then a long one round the corridors, and "
+        "back."},
+       {"corridors_later", "corridors", 1, 3, false, ""}},
+      {{"indoor", "corridors", "corridors", "corridors that look alike, the same day"},
+       {"indoor, later", "corridors", "corridors_later",
+        "the same corridors at night, two months later, with other posters and furniture"},
+       {"outdoor", "campus", "campus", "streets, the same day"}}};
+  static const WordsPlan small{{{"tiny", "tiny", 2, 1, true, "One corridor and a room, twice round."}},
+                               {{"indoor", "tiny", "tiny", "one corridor and a room"}}};
   return quick ? small : whole;
 }
 
@@ -41,57 +50,60 @@ std::string WordsWorld::runFile(const std::string& name) const {
   return (fs::path(options_.folder) / "runs" / (name + ".json")).string();
 }
 
-const KeptDrive& WordsWorld::driveOf(const std::string& building) const {
-  const auto at = std::find_if(plan_.buildings.begin(), plan_.buildings.end(),
-                               [&](const MappedBuilding& b) { return b.name == building; });
-  return drives_.at(static_cast<std::size_t>(at - plan_.buildings.begin()));
+const KeptDrive& WordsWorld::driveOf(const std::string& name) const {
+  const auto at = std::find_if(plan_.drives.begin(), plan_.drives.end(),
+                               [&](const PlannedDrive& d) { return d.name == name; });
+  return drives_.at(static_cast<std::size_t>(at - plan_.drives.begin()));
 }
 
-/// The robot's camera is that of the configuration; without one it is the simulator's ordinary camera.
+/// The robot's camera is that of the configuration; without one it is the simulator's ordinary camera, with
+/// the 320 x 240 pixels of A-20.
 void WordsWorld::recordDrives() {
   const fs::path folder = fs::path(options_.folder) / "drives";
   fs::create_directories(folder);
   world::Eyes eyes = world::presetEyes("pinhole");
   if (pipeline_.camera.file.empty()) {
+    cameras::CameraRig small = cameras::makeRig(eyes.left.camera->scaled(0.5, 0.5));
+    small.T_robot_cam = eyes.left.T_robot_cam;
+    eyes.left = small;
     pipeline_.camera.file = (folder / "camera.ini").string();
     base::writeText(pipeline_.camera.file, cameras::toText(eyes.left), true);
   } else {
     eyes = {pipeline_.camera.file, cameras::loadCamera(pipeline_.camera.file), {}};
   }
   base::Progress progress(options_.progress, "drives");
-  for (const MappedBuilding& building : plan_.buildings) {
-    const auto done = drives_.size();
+  double all = 0, before = 0;
+  for (const PlannedDrive& drive : plan_.drives) all += drive.laps;
+  for (const PlannedDrive& drive : plan_.drives) {
     const auto tick = [&](double share) {
-      progress.update((static_cast<double>(done) + share) / static_cast<double>(plan_.buildings.size()),
-                      done);
+      progress.update((before + share * drive.laps) / all, drives_.size());
     };
     world::WorldParams params = world_;
-    params.drive.laps = building.laps;
-    const auto world = world::World::preset(building.preset, params);
-    drives_.push_back(keepDrive(world, eyes, 1, (folder / building.name).string(), options_.threads, tick));
+    params.drive.laps = drive.laps;
+    const auto world = world::World::preset(drive.preset, params);
+    drives_.push_back(
+        keepDrive(world, eyes, drive.day, (folder / drive.name).string(), options_.threads, tick));
+    before += drive.laps;
   }
 }
 
-MappingRun WordsWorld::mapped(const MappedBuilding& building, const KeptDrive& drive) const {
-  const std::string file = runFile("mapping_" + building.name);
-  if (!fs::exists(file)) writeRun(file, mapDrive(building.name, drive, pipeline_, params_.right_within));
+MappingRun WordsWorld::mapped(std::size_t drive) const {
+  const std::string& name = plan_.drives[drive].name;
+  const std::string file = runFile("mapping_" + name);
+  if (!fs::exists(file)) writeRun(file, mapDrive(name, drives_[drive], pipeline_, params_.right_within));
   return readMappingRun(file);  // also after a fresh run: both ways give the same digits
 }
 
-std::vector<LocalisationRun> WordsWorld::located(const LocatedSetting& setting,
-                                                 const KeptDrive& drive) const {
-  const auto fileOf = [&](const Transition& t) {
-    return runFile("localisation_" + setting.name + "_" + t.name);
-  };
-  const std::uint64_t seed = base::Rng(world_.seed).fork(21).bits();  // the same images for every transition
+std::vector<LocalisationRun> WordsWorld::located(const LocatedSetting& setting) const {
+  const auto seed = base::Rng(world_.seed).fork(21).bits();  // the same images for every transition
   std::optional<LocalisationWorld> world;
   std::vector<LocalisationRun> runs;
   for (const Transition& transition : transitions()) {
-    const std::string file = fileOf(transition);
+    const std::string file = runFile("localisation_" + setting.shown + "_" + transition.name);
     if (!fs::exists(file)) {
-      if (!world) world = learnFirstLap(drive, pipeline_);
+      if (!world) world = learnFirstLap(driveOf(setting.learnt), driveOf(setting.shown), pipeline_);
       LocalisationRun run =
-          localise(*world, drive.truth, transition, pipeline_, params_.attempts, seed, params_.right_within);
+          localise(*world, transition, pipeline_, params_.attempts, seed, params_.right_within);
       run.setting = setting.name;
       writeRun(file, run);
     }
@@ -105,16 +117,12 @@ WordsWorldResult WordsWorld::run() {
   recordDrives();
   fs::create_directories(fs::path(options_.folder) / "runs");
   std::vector<std::vector<LocalisationRun>> located(plan_.settings.size());
-  WordsWorldResult result;
-  result.mapping.resize(plan_.buildings.size());
+  std::vector<std::optional<MappingRun>> mapped(plan_.drives.size());
   std::vector<std::function<void()>> jobs;  // the longest first
   for (std::size_t i = 0; i < plan_.settings.size(); ++i)
-    jobs.emplace_back([&, i] {
-      const LocatedSetting& setting = plan_.settings[i];
-      located[i] = this->located(setting, driveOf(setting.building));
-    });
-  for (std::size_t i = 0; i < plan_.buildings.size(); ++i)
-    jobs.emplace_back([&, i] { result.mapping[i] = mapped(plan_.buildings[i], drives_[i]); });
+    jobs.emplace_back([&, i] { located[i] = this->located(plan_.settings[i]); });
+  for (std::size_t i = 0; i < plan_.drives.size(); ++i)
+    if (plan_.drives[i].mapped) jobs.emplace_back([&, i] { mapped[i] = this->mapped(i); });
 
   base::Progress progress(options_.progress, "experiments");
   std::mutex mutex;
@@ -126,6 +134,9 @@ WordsWorldResult WordsWorld::run() {
     ++done;
     progress.update(static_cast<double>(done) / static_cast<double>(jobs.size()), done);
   });
+  WordsWorldResult result;
+  for (auto& run : mapped)
+    if (run) result.mapping.push_back(std::move(*run));
   for (auto& runs : located)
     for (auto& run : runs) result.localisation.push_back(std::move(run));
   return result;

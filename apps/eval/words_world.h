@@ -20,24 +20,26 @@ struct WordsWorldParams {
   void describe(base::Params& p);
 };
 
-/// A drive that is mapped.
-struct MappedBuilding {
+/// A drive through a building of the simulator.
+struct PlannedDrive {
   std::string name;
   std::string preset;
   double laps = 2;
-  std::string about;  ///< for the report
+  int day = 1;         ///< session of the world
+  bool mapped = true;  ///< the mapping experiment is done with it
+  std::string about;   ///< for the report
 };
 
-/// A drive in which the robot locates itself: its first round is learnt, the second one is shown.
+/// Where the robot locates itself: the first round of one drive is learnt, another pass is shown.
 struct LocatedSetting {
   std::string name;
-  std::string building;  ///< of the mapped ones
-  std::string about;     ///< for the report
+  std::string learnt, shown;  ///< names of drives; of one and the same, the rounds after the first are shown
+  std::string about;          ///< for the report
 };
 
 /// What is done where.
 struct WordsPlan {
-  std::vector<MappedBuilding> buildings;
+  std::vector<PlannedDrive> drives;
   std::vector<LocatedSetting> settings;
 };
 /// @param quick one small building
@@ -58,7 +60,7 @@ class WordsWorld {
     std::ostream* progress = nullptr;
   };
 
-  /// @param world of all buildings; its laps are those of the plan
+  /// @param world of all drives; its laps are those of the plan
   WordsWorld(const WordsPlan& plan, const WordsWorldParams& params, const world::WorldParams& world,
              const pipeline::PipelineParams& pipeline, Options options);
 
@@ -68,9 +70,9 @@ class WordsWorld {
 
  private:
   void recordDrives();
-  MappingRun mapped(const MappedBuilding& building, const KeptDrive& drive) const;
-  std::vector<LocalisationRun> located(const LocatedSetting& setting, const KeptDrive& drive) const;
-  const KeptDrive& driveOf(const std::string& building) const;
+  MappingRun mapped(std::size_t drive) const;
+  std::vector<LocalisationRun> located(const LocatedSetting& setting) const;
+  const KeptDrive& driveOf(const std::string& name) const;
   std::string runFile(const std::string& name) const;
 
   WordsPlan plan_;
@@ -78,7 +80,7 @@ class WordsWorld {
   world::WorldParams world_;
   pipeline::PipelineParams pipeline_;
   Options options_;
-  std::vector<KeptDrive> drives_;  ///< of the buildings of the plan
+  std::vector<KeptDrive> drives_;  ///< those of the plan
 };
 
 }  // namespace engram::apps
