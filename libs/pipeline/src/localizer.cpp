@@ -75,13 +75,12 @@ bool Localizer::perceive(Work& work) {
 
 void Localizer::recognise(Work& work) {
   const StepTimer timer(work.report, "recognise");
-  std::optional<double> travelled;
-  if (reckoning_.known() && !restarted_) travelled = reckoning_.distance();
+  const auto travel = restarted_ ? std::nullopt : reckoning_.travel();
   restarted_ = false;
   sinceLearning_ += reckoning_.distance();
   sinceLast_ += reckoning_.distance();
   reckoning_.markKeyframe();
-  work.report.hypotheses = recogniser_.recognise(work.features, travelled);
+  work.report.hypotheses = recogniser_.recognise(work.features, travel);
   work.report.bestGuess = work.report.hypotheses.front().place;
   work.report.bestGuessInterpolated = recogniser_.interpolatedPeak();
 }

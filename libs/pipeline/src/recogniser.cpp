@@ -3,6 +3,7 @@
 #include "engram/pipeline/recogniser.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace engram::pipeline {
@@ -29,7 +30,7 @@ Recogniser::Recogniser(const PipelineParams& params, Mode mode)
 
 void Recogniser::load(const map::TopologicalMap& map) {
   for (const auto& [id, place] : map.places()) placeChanged(place);
-  edgesChanged(map);
+  graphChanged(map);
   restart();
 }
 
@@ -47,16 +48,17 @@ void Recogniser::placeChanged(const map::Place& place) {
     adjacency_.successor.push_back(-1);
     adjacency_.predecessor.push_back(-1);
     filter_.grow(ids_.size(), 0.0);
+    adjacency_.poses.clear();  // until graphChanged()
   }
   scorer_->placeChanged(static_cast<std::size_t>(index), place);
 }
 
-void Recogniser::edgesChanged(const map::TopologicalMap& map) {
+void Recogniser::graphChanged(const map::TopologicalMap& map) {
   std::vector<std::pair<int, int>> edges;
   double length = 0.0;
   int steps = 0;
   for (const auto& [id, edge] : map.edges()) {
-    if (edge.type == map::EdgeType::kWeak) continue;
+    if (!map::isPassage(edge.type)) continue;
     edges.emplace_back(indexOf(edge.a), indexOf(edge.b));
     if (edge.type != map::EdgeType::kOdometry) continue;
     length += edge.T_a_b.T_a_b.translation().norm();
@@ -64,6 +66,10 @@ void Recogniser::edgesChanged(const map::TopologicalMap& map) {
   }
   if (steps > 0) spacing_ = length / steps;
   adjacency_ = belief::Adjacency::fromEdges(ids_.size(), edges);
+  for (const auto& [id, place] : map.places()) {
+    const Eigen::Isometry3d& T = place.T_map_place;
+    adjacency_.poses.emplace_back(T(0, 3), T(1, 3), std::atan2(T(1, 0), T(0, 0)));
+  }
 }
 
 std::vector<double> Recogniser::similarities(const types::Features& view) const {
@@ -71,17 +77,20 @@ std::vector<double> Recogniser::similarities(const types::Features& view) const 
 }
 
 std::vector<types::Hypothesis> Recogniser::recognise(const types::Features& view,
-                                                     std::optional<double> travelled,
+                                                     const std::optional<Travel>& travel,
                                                      const std::set<base::PlaceId>& excluded) {
-  return ids_.empty() ? std::vector<types::Hypothesis>() : weigh(similarities(view), travelled, excluded);
+  return ids_.empty() ? std::vector<types::Hypothesis>() : weigh(similarities(view), travel, excluded);
 }
 
 std::vector<types::Hypothesis> Recogniser::weigh(const std::vector<double>& scores,
-                                                 std::optional<double> travelled,
+                                                 const std::optional<Travel>& travel,
                                                  const std::set<base::PlaceId>& excluded) {
   if (ids_.empty()) return {};
   belief::MotionHint hint;
-  if (travelled) hint.hops = *travelled / spacing_;
+  if (travel) {
+    hint.hops = travel->distance / spacing_;
+    hint.odometry = belief::OdometryStep{travel->step, travel->heading, spacing_};
+  }
   filter_.predict(adjacency_, hint);
   filter_.update(likelihoodWithout(excluded, scores));
 

@@ -4,6 +4,7 @@
 
 #include "engram/belief/bayes_filter.h"
 #include "engram/map/topological_map.h"
+#include "engram/pipeline/dead_reckoning.h"
 #include "engram/pipeline/params.h"
 #include "engram/pipeline/scorer.h"
 #include "engram/types/frame_report.h"
@@ -30,21 +31,21 @@ class Recogniser {
   void load(const map::TopologicalMap& map);
   /// A place was added, or its memory has changed.
   void placeChanged(const map::Place& place);
-  /// Edges were added or removed.
-  void edgesChanged(const map::TopologicalMap& map);
+  /// Edges were added or removed, or places have moved.
+  void graphChanged(const map::TopologicalMap& map);
 
   /// Predicts by the motion model and weighs by this view. Hypotheses come best first, at most `candidates`
   /// or `reported`, whichever is more.
   /// @param excluded places that cannot be the answer: those just made.
-  /// @param travelled distance since the last call [m]; none when unknown.
-  std::vector<types::Hypothesis> recognise(const types::Features& view, std::optional<double> travelled,
+  /// @param travel the motion since the last call; none when unknown
+  std::vector<types::Hypothesis> recognise(const types::Features& view, const std::optional<Travel>& travel,
                                            const std::set<base::PlaceId>& excluded = {});
 
   /// recognise() in its two halves. The score of each place in the order of its id, by descriptors alone.
   std::vector<double> similarities(const types::Features& view) const;
   /// @param scores one in [0, 1] for each place, in the order of its id; from similarities() or any other
   /// rule
-  std::vector<types::Hypothesis> weigh(const std::vector<double>& scores, std::optional<double> travelled,
+  std::vector<types::Hypothesis> weigh(const std::vector<double>& scores, const std::optional<Travel>& travel,
                                        const std::set<base::PlaceId>& excluded = {});
   /// The belief becomes uniform again.
   void restart() { filter_.reset(ids_.size()); }
