@@ -106,38 +106,55 @@ void Mapper::recognise(Work& work) {
   reckoning_.markKeyframe();
   lastKeyframe_ = work.features;
   work.report.hypotheses =
-      recogniser_.recognise(work.features, travel, frontier_ ? recent_ : std::set<base::PlaceId>{});
+      recogniser_.recognise(map_, work.features, travel, frontier_ ? recent_ : std::set<base::PlaceId>{});
   if (!work.report.hypotheses.empty()) work.report.bestGuess = work.report.hypotheses.front().place;
   work.report.bestGuessInterpolated = recogniser_.interpolatedPeak();
   work.report.newPlaceProbability = recogniser_.newPlaceProbability();
 }
 
-/// Hypotheses in the order of their posterior, until one is accepted (A-18, A-E13); then, while new ground is
-/// covered, the places just made.
+/// What the belief proposes, until one is accepted; then what geometry alone may find; then, while new ground
+/// is covered, the places just made.
 void Mapper::verify(Work& work) {
   const StepTimer timer(work.report, "verify");
-  const auto tryPlace = [&](base::PlaceId id) -> const PlaceMatch& {
-    work.candidates.emplace_back(
-        id, matchToPlace(work.features, map_.place(id).memory, params_.match, params_.verify));
-    return work.candidates.back().second;
-  };
-  for (auto& hypothesis : candidatesOf(work.report.hypotheses, params_.recognise)) {
-    if (recogniser_.neighbourhoodMass(hypothesis.place) < params_.belief.accept_threshold) continue;
-    const PlaceMatch& match = tryPlace(hypothesis.place);
-    hypothesis.inliers = static_cast<int>(match.matches.size());
-    if (strongEnough(match, params_.recognise) && belongsTo(hypothesis.place, match) &&
-        (!isClosure(hypothesis.place) || hypothesis.inliers >= params_.recognise.closure_inliers)) {
-      work.accepted = work.candidates.back();
-      return;
-    }
-  }
-  if (!frontier_ || !anchor_.valid()) return;
+  if (verifyBelieved(work) || verifySimilar(work) || !frontier_ || !anchor_.valid()) return;
   const auto nearest = nearestByOdometry();
   const base::PlaceId near = nearest ? nearest->first : anchor_;
-  const PlaceMatch& match = tryPlace(near);
-  if (strongEnough(match, params_.recognise) && belongsTo(near, match))
+  if (!tryPlace(work, near) && near != anchor_) tryPlace(work, anchor_, false);
+}
+
+/// Hypotheses in the order of their posterior (A-18, A-E13).
+bool Mapper::verifyBelieved(Work& work) {
+  for (auto& hypothesis : candidatesOf(work.report.hypotheses, params_.recognise)) {
+    if (recogniser_.neighbourhoodMass(hypothesis.place) < params_.belief.accept_threshold) continue;
+    const bool accepted = tryPlace(work, hypothesis.place);
+    hypothesis.inliers = static_cast<int>(work.candidates.back().second.matches.size());
+    if (accepted) return true;
+  }
+  return false;
+}
+
+/// The most similar place, while the belief is undecided: as many matches as K-15 asks need none (K-21).
+bool Mapper::verifySimilar(Work& work) {
+  if (params_.recognise.sure_inliers <= 0) return false;
+  auto similar = recogniser_.mostSimilar();
+  if (!similar) return false;
+  const PlaceMatch& match = recogniser_.match(map_, work.features, similar->place);
+  similar->inliers = static_cast<int>(match.matches.size());
+  noteInliers(work.report.hypotheses, *similar);
+  if (similar->inliers < params_.recognise.sure_inliers || !tryPlace(work, similar->place)) return false;
+  recogniser_.confirm(similar->place);
+  return true;
+}
+
+/// Matches the image with a place. It is accepted if the evidence suffices for what it would mean.
+bool Mapper::tryPlace(Work& work, base::PlaceId id, bool mayAccept) {
+  work.candidates.emplace_back(id, recogniser_.match(map_, work.features, id));
+  const PlaceMatch& match = work.candidates.back().second;
+  const bool enough =
+      !isClosure(id) || static_cast<int>(match.matches.size()) >= params_.recognise.closure_inliers;
+  if (mayAccept && enough && strongEnough(match, params_.recognise) && belongsTo(id, match))
     work.accepted = work.candidates.back();
-  if (near != anchor_ && !work.accepted) tryPlace(anchor_);
+  return work.accepted.has_value();
 }
 
 bool Mapper::isRecent(base::PlaceId place) const { return frontier_ && recent_.count(place) > 0; }
@@ -254,15 +271,16 @@ void Mapper::addPlace(Work& work) {
   gate_.accepted(made);
   gate_.learnt();
 
-  if (from.valid()) addEdgesTo(work, made);
+  if (from.valid()) addEdges(work, from, made);
   anchor_ = made_ = made;
   anchoredBy_ = {};
   reckoning_.reset(Eigen::Isometry3d::Identity(), kCertain);
   sinceMade_.reset(Eigen::Isometry3d::Identity(), kCertain);
   frontier_ = true;
   misses_ = 0;
-  recent_.clear();
-  for (const auto& [id, hops] : map_.hopDistances(anchor_, params_.place.recent_hops)) recent_.insert(id);
+  recent_.insert(made);
+  const auto near = map_.hopDistances(made, params_.place.recent_hops);
+  std::erase_if(recent_, [&](base::PlaceId id) { return !near.contains(id); });
 
   recogniser_.placeChanged(map_.place(anchor_));
   recogniser_.graphChanged(map_);
@@ -275,9 +293,9 @@ base::PlaceId Mapper::cameFrom() const {
 
 /// A robot that leaves known ground is where it is because an image was recognised there: that edge may be
 /// false, as a closure may. What the wheels say since the last place of this drive does not depend on it.
-void Mapper::addEdgesTo(const Work& work, base::PlaceId place) {
+void Mapper::addEdges(const Work& work, base::PlaceId from, base::PlaceId place) {
   map::Edge edge;
-  edge.a = cameFrom();
+  edge.a = from;
   edge.b = place;
   edge.T_a_b = motionFrom(work, edge.a);
   edge.type = anchor_.valid() ? map::EdgeType::kOdometry : map::EdgeType::kWeak;

@@ -53,6 +53,7 @@ class Localizer {
   void move(Work& work);
   void recognise(Work& work);
   void verify(Work& work);
+  bool tryPlace(Work& work, types::Hypothesis& hypothesis, int inliers);
   void follow(Work& work);
   void remember(Work& work);
   void learnDistant(types::FrameReport& report);

@@ -55,6 +55,10 @@ class Mapper {
   void relate(Work& work);
   void relax(Work& work);
 
+  bool verifyBelieved(Work& work);
+  bool verifySimilar(Work& work);
+  bool tryPlace(Work& work, base::PlaceId id, bool mayAccept = true);
+
   bool metric() const { return reckoning_.anchored() && anchor_.valid(); }
   bool isRecent(base::PlaceId place) const;
   Eigen::Isometry3d T_place_robot(base::PlaceId place) const;
@@ -67,7 +71,7 @@ class Mapper {
   map::EdgeType closureType(base::PlaceId to) const;
   base::PlaceId cameFrom() const;
   void addPlace(Work& work);
-  void addEdgesTo(const Work& work, base::PlaceId place);
+  void addEdges(const Work& work, base::PlaceId from, base::PlaceId place);
   types::RelPose motionFrom(const Work& work, base::PlaceId from) const;
   void addView(const Work& work, base::PlaceId place, int thumbnailWidth);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> correspondences(const PlaceMatch& match,
@@ -95,7 +99,7 @@ class Mapper {
   base::PlaceId anchor_;            // where the robot was last certain to be; invalid at wake-up
   base::PlaceId made_;              // the place made last in this drive
   base::EdgeId anchoredBy_;         // the closure that the anchor rests on; invalid when it rests on none
-  std::set<base::PlaceId> recent_;  // places near the newest one, while the robot goes on from it
+  std::set<base::PlaceId> recent_;  // places made in a row, near the newest one, while the robot goes on
   bool frontier_ = true;         // the robot has just made places and is not known to be back in older ones
   int misses_ = 0;               // unrecognised images in a row in known territory
   bool closedUnmetric_ = false;  // a closure without odometry waits for relaxation

@@ -6,9 +6,11 @@
 #include "engram/map/topological_map.h"
 #include "engram/pipeline/dead_reckoning.h"
 #include "engram/pipeline/params.h"
+#include "engram/pipeline/place_match.h"
 #include "engram/pipeline/scorer.h"
 #include "engram/types/frame_report.h"
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -34,11 +36,13 @@ class Recogniser {
   /// Edges were added or removed, or places have moved.
   void graphChanged(const map::TopologicalMap& map);
 
-  /// Predicts by the motion model and weighs by this view. Hypotheses come best first, at most `candidates`
-  /// or `reported`, whichever is more.
-  /// @param excluded places that cannot be the answer: those just made.
+  /// Predicts by the motion model and weighs by this view. Hypotheses come by their posterior, at most
+  /// `candidates` or `reported`, whichever is more.
+  /// @param map the one that this recogniser was told of. @param excluded places that cannot be the answer:
+  /// those just made.
   /// @param travel the motion since the last call; none when unknown
-  std::vector<types::Hypothesis> recognise(const types::Features& view, const std::optional<Travel>& travel,
+  std::vector<types::Hypothesis> recognise(const map::TopologicalMap& map, const types::Features& view,
+                                           const std::optional<Travel>& travel,
                                            const std::set<base::PlaceId>& excluded = {});
 
   /// recognise() in its two halves. The score of each place in the order of its id, by descriptors alone.
@@ -47,6 +51,13 @@ class Recogniser {
   /// rule
   std::vector<types::Hypothesis> weigh(const std::vector<double>& scores, const std::optional<Travel>& travel,
                                        const std::set<base::PlaceId>& excluded = {});
+  /// The last view held against a place; worked out once.
+  const PlaceMatch& match(const map::TopologicalMap& map, const types::Features& view, base::PlaceId place);
+  /// The place that the last view resembles most, whatever was believed before; none when it resembles none.
+  std::optional<types::Hypothesis> mostSimilar() const;
+  /// Geometry alone has found the robot at this place: the belief follows.
+  void confirm(base::PlaceId place);
+
   /// The belief becomes uniform again.
   void restart() { filter_.reset(ids_.size()); }
 
@@ -59,15 +70,25 @@ class Recogniser {
 
  private:
   int indexOf(base::PlaceId id) const;
+  types::Hypothesis hypothesis(std::size_t index) const;
+  std::vector<std::size_t> largest(const std::vector<double>& values, std::size_t most,
+                                   const std::set<base::PlaceId>& excluded) const;
+  std::vector<double> verifiedScores(const map::TopologicalMap& map, const types::Features& view,
+                                     const std::vector<double>& scores,
+                                     const std::set<base::PlaceId>& excluded);
   belief::Likelihood likelihoodWithout(const std::set<base::PlaceId>& excluded,
                                        std::vector<double> scores) const;
 
   RecogniseParams params_;
+  features::MatchParams matching_;
+  geometry::VerifyParams verify_;
   std::unique_ptr<Scorer> scorer_;
   double spacing_;  // mean distance of neighbouring places [m]
   belief::BayesFilter filter_;
   belief::Adjacency adjacency_;
-  std::vector<base::PlaceId> ids_;  // ascending; index in the filter and in the scorer
+  std::vector<double> lastScores_;               // of the last view; 0 for excluded places
+  std::map<base::PlaceId, PlaceMatch> matches_;  // of the last view
+  std::vector<base::PlaceId> ids_;               // ascending; index in the filter and in the scorer
 };
 
 }  // namespace engram::pipeline
