@@ -7,6 +7,7 @@
 #include "engram/base/config.h"
 #include "engram/base/error.h"
 #include "loop_figures.h"
+#include "words_report.h"
 
 #include <nlohmann/json.hpp>
 
@@ -16,9 +17,11 @@
 namespace engram::apps {
 namespace fs = std::filesystem;
 
+namespace {
+
 /// config/words_mono.ini; a test holds the two together.
-WordsCommand::WordsCommand() {
-  auto& p = benchmark_.pipeline;
+pipeline::PipelineParams wordsMono() {
+  pipeline::PipelineParams p;
   p.camera.image_width = 640;
   p.extractor.upright = true;
   p.verify.model = "planar_then_essential";
@@ -33,11 +36,29 @@ WordsCommand::WordsCommand() {
   p.belief.accept_hops = 4;
   p.place.recent_hops = 10;
   p.fsh.ltm_min_features = 600;
+  return p;
 }
 
+/// config/words_odometry.ini but for the camera; a test holds the two together.
+pipeline::PipelineParams wordsOdometry() {
+  pipeline::PipelineParams p = wordsMono();
+  p.camera.image_width = 0;
+  p.select.min_distance = 0.5;
+  p.place.spacing = 0.5;
+  return p;
+}
+
+/// Options that mean something with --images alone.
+const std::vector<std::string> kImageOptions{"--truth", "--truth-margin", "--reference",
+                                             "--gap",   "--stops",        "--reverse"};
+
+}  // namespace
+
 void WordsCommand::declare(CLI::App& command) {
+  command_ = &command;
   options_.declare(command);
-  command.add_option("--images", benchmark_.images, "Folder of images, shown in the order of their names");
+  command.add_option("--images", benchmark_.images,
+                     "Folder of images, shown in the order of their names; without it the simulator");
   command.add_option("--reference", benchmark_.reference,
                      "Folder of images that make a map first; --images are then located in it");
   command.add_option("--truth", truthFile_,
@@ -59,29 +80,73 @@ void WordsCommand::declare(CLI::App& command) {
       ->check(CLI::NonNegativeNumber);
 }
 
+void WordsCommand::refuseImageOptions() const {
+  for (const auto& name : kImageOptions)
+    if (command_->count(name) > 0)
+      throw base::Error(name + " belongs to --images, which is missing; without both the simulator is used");
+}
+
 std::string WordsCommand::readConfig() {
   base::Config config;
-  benchmark_.pipeline.bind(config);
+  pipeline::PipelineParams& pipeline = onImages() ? benchmark_.pipeline : pipeline_;
+  pipeline = onImages() ? wordsMono() : wordsOdometry();
+  if (!onImages()) {
+    world_.drive.spacing = 0.26;  // the rule of A-06 uses about every second image
+    if (options_.quick) words_.attempts = 20;
+    config.bind("words_world", words_);
+    config.bind("change", world_.change);
+    config.bind("drive", world_.drive);
+    config.bind("sensor", world_.sensor);
+  }
+  pipeline.bind(config);
   base::IniFile ini = options_.config.empty() ? base::IniFile::parse("", "command line")
                                               : base::IniFile::load(options_.config);
   for (const auto& assignment : options_.overrides) ini.override(assignment);
   config.read(ini);
-  benchmark_.pipeline.recognise.threads = options_.threadsInUse();
+  if (onImages()) pipeline.recognise.threads = options_.threadsInUse();
   return config.dump();
 }
 
 int WordsCommand::run(std::ostream& out, std::ostream& err) {
+  if (!onImages()) refuseImageOptions();
   const std::string settings = readConfig();
   if (options_.dump) {
     out << settings;
     return kOk;
   }
-  return runImages(settings, out, err);
+  return onImages() ? runImages(settings, out, err) : runWorld(settings, out, err);
+}
+
+int WordsCommand::runWorld(const std::string& settings, std::ostream& out, std::ostream& err) {
+  claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) +
+                            (options_.quick ? ", quick\n" : "\n"));
+  world_.seed = options_.seed;
+  WordsWorld experiments(wordsPlan(options_.quick), words_, world_, pipeline_,
+                         {options_.folder, options_.threadsInUse(), options_.quiet ? nullptr : &err});
+  const WordsWorldResult result = experiments.run();
+  writeResults(result, settings);
+  if (!options_.quiet)
+    out << toText(result) << "report: " << (fs::path(options_.folder) / "index.html").string() << "\n";
+  return kOk;
+}
+
+void WordsCommand::writeResults(const WordsWorldResult& result, const std::string& settings) const {
+  const fs::path folder = options_.folder;
+  const auto write = [&](const char* name, const std::string& text) {
+    base::writeText((folder / name).string(), text, true);
+  };
+  write("mapping.csv", mappingCsv(result));
+  write("closures.csv", closuresCsv(result));
+  write("localisation.csv", localisationCsv(result));
+  write("attempts.csv", attemptsCsv(result));
+  write("index.html", toHtml(result, wordsPlan(options_.quick), words_, settings, options_.seed));
+  nlohmann::json json = toJson(result);
+  json["seed"] = options_.seed;
+  writeJson(options_.json, json);
 }
 
 int WordsCommand::runImages(const std::string& settings, std::ostream& out, std::ostream& err) {
-  if (benchmark_.images.empty() || truthFile_.empty())
-    throw base::Error("--images and --truth are both needed");
+  if (truthFile_.empty()) throw base::Error("--images needs --truth: a file with the ground truth");
   const auto truth = evaluation::Truth::load(truthFile_, {margin_, 1.0, 1.0});
   claimFolder(options_, settings + "\n# images = " + benchmark_.images +
                             "\n# reference = " + benchmark_.reference + "\n# truth = " + truthFile_ + "\n");

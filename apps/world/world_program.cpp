@@ -33,7 +33,8 @@ std::string WorldProgram::examples() const {
 }
 
 void WorldProgram::declareCommon(CLI::App& command) {
-  command.add_option("--preset", preset_, "Building: tiny, office or corridors")->capture_default_str();
+  command.add_option("--preset", preset_, "Building: tiny, office, corridors, campus (streets) or loops")
+      ->capture_default_str();
   command.add_option("--plan", planFile_, "Building from a text plan instead of a preset")
       ->check(CLI::ExistingFile);
   command.add_option("--seed", params_.seed, "Seed of everything random")->capture_default_str();

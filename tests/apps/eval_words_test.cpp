@@ -192,8 +192,9 @@ TEST_F(WordsTest, GapHidesWhatIsNear) {
 }
 
 TEST_F(WordsTest, DefaultsAreThoseOfItsConfiguration) {
-  const Result plain = words({"--dump-config"});
-  const Result file = words({"--dump-config", "--config", ENGRAM_SOURCE_DIR "/config/words_mono.ini"});
+  const Result plain = words({"--dump-config", "--images", "walk"});
+  const Result file =
+      words({"--dump-config", "--images", "walk", "--config", ENGRAM_SOURCE_DIR "/config/words_mono.ini"});
   EXPECT_EQ(plain.code, kOk);
   EXPECT_EQ(plain.out, file.out);
   EXPECT_THAT(plain.out, HasSubstr("scorer = tfidf_incremental"));

@@ -83,6 +83,27 @@ std::vector<Curve> sampleCurves(int n) {
   return out;
 }
 
+TEST(PathChart, IsAsLongInXAsInY) {
+  const std::vector<Curve> paths{{"truth", 0, {{0, {0}}, {30, {0}}, {30, {10}}, {0, {10}}, {0, {0}}}}};
+  const std::vector<Curve> marks{{"closure", 2, {{0, {0}}, {30, {10}}, {kNaN, {1}}}}};
+  for (const double height : {200.0, 600.0}) {
+    ChartFrame f = frame();
+    f.height = height;
+    const std::string svg = pathChart(f, paths, marks);
+    EXPECT_EQ(whyNotWellFormed(svg, "<svg"), "");
+    EXPECT_NEAR(axis(svg, true).scale, -axis(svg, false).scale, 1e-3);
+    const auto found = markers(svg);
+    ASSERT_EQ(found.size(), 2u);
+    EXPECT_NEAR(found[1].x, 30, 0.1);
+    EXPECT_NEAR(found[1].y, 10, 0.1);
+    EXPECT_EQ(found[1].tooltip, "closure: 30, 10");
+    EXPECT_EQ(all(svg, "(<polyline)").size(), 1u);
+    EXPECT_THAT(svg, HasSubstr(">truth</text>"));
+    EXPECT_THAT(svg, HasSubstr(">closure</text>"));
+  }
+  EXPECT_THAT(pathChart(frame(), {{"nothing", 0, {}}}), HasSubstr("no values"));
+}
+
 TEST(CurveChart, PutsPointsWhereTheAxesSay) {
   const auto curves = sampleCurves(1);
   const std::string svg = curveChart(frame(), curves);

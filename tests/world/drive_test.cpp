@@ -56,6 +56,34 @@ TEST(Drive, KeepsToFreeSpaceAndTakesImagesAtTheSpacing) {
     }
 }
 
+// One drive without a stop: the first round is the same, the second one goes on from it, at other offsets.
+TEST(Drive, GoesRoundSeveralTimes) {
+  DriveParams p;
+  const Drive once(officeRoute(), p, DriveKind::kTour, 1);
+  p.laps = 2;
+  const Drive twice(officeRoute(), p, DriveKind::kTour, 1);
+  const double end = once.duration();
+  for (double t = 0; t < end - 2; t += 3.1) {
+    EXPECT_EQ(twice.poseAt(t).x, once.poseAt(t).x);
+    EXPECT_EQ(twice.poseAt(t).y, once.poseAt(t).y);
+  }
+  EXPECT_NEAR(twice.arcLengthAt(twice.duration()), 2 * officeRoute().length(), 0.1);
+  Pose2 last = twice.poseAt(end - 3);
+  double apart = 0, step = 0;
+  for (double t = end - 3; t < end + 3; t += 0.05) {
+    const Pose2 now = twice.poseAt(t);
+    step = std::max(step, std::hypot(now.x - last.x, now.y - last.y));
+    last = now;
+  }
+  EXPECT_LT(step, 0.05);  // no jump at the seam
+  for (double t = end; t < twice.duration(); t += 0.5) {
+    const double s = twice.arcLengthAt(t);
+    apart = std::max(apart, std::abs(officeRoute().at(s).relative(twice.poseAt(t)).y));
+  }
+  EXPECT_GT(apart, 0.05);
+  EXPECT_LT(apart, 0.6);
+}
+
 TEST(Drive, DiffersBetweenSeedsAndTheTestDriveIsElsewhere) {
   const Drive a(officeRoute(), {}, DriveKind::kTour, 1), b(officeRoute(), {}, DriveKind::kTour, 2);
   const Drive again(officeRoute(), {}, DriveKind::kTour, 1), test(officeRoute(), {}, DriveKind::kTest, 1);

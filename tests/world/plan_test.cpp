@@ -50,6 +50,8 @@ TEST(Plan, ReadsWhatItWrites) {
   EXPECT_EQ(again.cells, plan.cells);
   EXPECT_EQ(again.route.size(), 4u);
   EXPECT_EQ(again.height, 3.0);
+  EXPECT_FALSE(again.open);
+  EXPECT_TRUE(parsePlan(parsePlan("roof none\n" + kRoute + kGrid, "p.txt").toText(), "again").open);
 }
 
 TEST(Plan, SaysWhatIsWrong) {
@@ -58,6 +60,7 @@ TEST(Plan, SaysWhatIsWrong) {
   EXPECT_THAT(problemOf("cell abc\n" + kRoute + kGrid), HasSubstr("p.txt:1: cell 'abc'"));
   EXPECT_THAT(problemOf("cell 0.5x\n" + kRoute + kGrid), HasSubstr("0.5x"));
   EXPECT_THAT(problemOf("celle 1\n" + kRoute + kGrid), HasSubstr("unknown key 'celle'"));
+  EXPECT_THAT(problemOf("roof thatched\n" + kRoute + kGrid), HasSubstr("roof 'thatched'"));
   EXPECT_THAT(problemOf(kRoute + "grid\n###\n#?#\n###\nend\n"), HasSubstr("unknown character '?'"));
   EXPECT_THAT(problemOf(kRoute + "grid\n###\n#..\n###\nend\n"), HasSubstr("touches the outside"));
   EXPECT_THAT(problemOf(kRoute + "grid\n####\n#..+\n####\nend\n"), HasSubstr("door at column 3, row 1"));

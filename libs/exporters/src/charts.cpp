@@ -202,6 +202,39 @@ std::string curveChart(const ChartFrame& frame, const std::vector<Curve>& curves
   return std::move(drawing).finish();
 }
 
+std::string pathChart(const ChartFrame& frame, const std::vector<Curve>& paths,
+                      const std::vector<Curve>& marks) {
+  Extent xs, ys;
+  std::vector<LegendEntry> legend = markerLegend(marks);
+  for (const auto* curves : {&paths, &marks})
+    for (const Curve& c : *curves)
+      for (const CurvePoint& p : c.points) {
+        if (!std::isfinite(p.x) || !std::isfinite(p.y.value)) continue;
+        xs.add(p.x);
+        ys.add(p.y.value);
+      }
+  if (ys.empty()) return noValues(frame);
+  for (std::size_t i = 0; i < paths.size(); ++i)
+    legend.insert(legend.begin() + static_cast<std::ptrdiff_t>(i),
+                  {paths[i].label, styleColour(paths[i].style), LegendKey::kLine});
+  const double margin = 0.04 * std::max({xs.high - xs.low, ys.high - ys.low, 1.0});
+  Drawing drawing(frame, {.low = {xs.low - margin, ys.low - margin},
+                          .high = {xs.high + margin, ys.high + margin},
+                          .equalScale = true,
+                          .legend = legend});
+  for (const Curve& c : paths) {
+    std::vector<Eigen::Vector2d> line;
+    for (const CurvePoint& p : c.points)
+      if (std::isfinite(p.x) && std::isfinite(p.y.value)) line.emplace_back(p.x, p.y.value);
+    drawing.polyline(line, styleColour(c.style), 1.6);
+  }
+  for (const Curve& c : marks)
+    for (const CurvePoint& p : c.points)
+      if (std::isfinite(p.x) && std::isfinite(p.y.value))
+        drawing.marker({p.x, p.y.value}, c.style, c.label + ": " + number(p.x) + ", " + number(p.y.value));
+  return std::move(drawing).finish();
+}
+
 std::string barChart(const ChartFrame& frame, const std::vector<std::string>& groups,
                      const std::vector<BarSeries>& series) {
   Extent ys;

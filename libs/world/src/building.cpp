@@ -3,12 +3,15 @@
 #include "engram/world/building.h"
 
 #include <cmath>
+#include <set>
 
 namespace engram::world {
 namespace {
 
 constexpr float kRouteClearance = 0.42f;  // [m] between furniture and the nominal route
 constexpr float kDoorClearance = 0.7f;    // [m] free floor before a door
+constexpr double kHouseWidth = 7.0;       // [m] along a street
+constexpr float kStreetLamp = 4.5f;       // [m] above the street
 
 bool overlap(const Eigen::Vector2f& low, const Eigen::Vector2f& high, const Eigen::Vector2f& low2,
              const Eigen::Vector2f& high2) {
@@ -59,7 +62,7 @@ Building::Building(const Plan& plan, std::uint64_t seed) : plan_(plan), seed_(se
   findRooms();
   findDoors();
   hangLamps();
-  screwFixtures(rng.fork(1));
+  plan_.open ? buildFronts(rng.fork(4)) : screwFixtures(rng.fork(1));
   chooseSpots(rng.fork(2));
   furnish(rng.fork(3));
 }
@@ -114,8 +117,9 @@ void Building::findDoors() {
 }
 
 void Building::hangLamps() {
-  const auto cell = static_cast<float>(plan_.cell), z = static_cast<float>(plan_.height) - 0.01f;
-  const int pitch = std::max(2, static_cast<int>(2.4 / plan_.cell));
+  const auto cell = static_cast<float>(plan_.cell),
+             z = plan_.open ? kStreetLamp : static_cast<float>(plan_.height) - 0.01f;
+  const int pitch = std::max(2, static_cast<int>((plan_.open ? 5.0 : 2.4) / plan_.cell));
   for (std::size_t r = 0; r < rooms_.size(); ++r) {
     const int phase = pitch / 2 + (rooms_[r].isCorridor() ? 0 : 1);
     const std::size_t first = lamps_.size();
@@ -212,11 +216,46 @@ void Building::screwFixtures(base::Rng rng) {
       }
 }
 
+std::uint32_t Building::houseAt(int cell, int side) const {
+  const int x = cell % plan_.columns, y = cell / plan_.columns;
+  const int along = side < 2 ? y : x, line = side < 2 ? x : y;
+  const auto house = static_cast<std::uint64_t>(static_cast<int>(along * plan_.cell / kHouseWidth));
+  const auto front = (static_cast<std::uint64_t>(line) * 4 + static_cast<std::uint64_t>(side)) << 16 | house;
+  return static_cast<std::uint32_t>(base::Rng(seed_).fork(6).fork(front).bits());
+}
+
+/// What stands at the feet of the houses along a street: an entrance to each, shops, signs.
+void Building::buildFronts(base::Rng rng) {
+  std::set<std::uint32_t> entered;
+  for (std::size_t r = 0; r < rooms_.size(); ++r)
+    for (int side = 0; side < 4; ++side)
+      for (const int cell : rooms_[r].cells) {
+        const auto dice = rng.below(100), look = rng.below(1000);
+        const float offset = static_cast<float>(rng.uniform(0, 0.4));
+        const std::uint32_t house = houseAt(cell, side);
+        WallSpot spot;
+        const auto add = [&](Fixture kind) {
+          fixtures_.push_back({spot, kind, look});
+          taken_.push_back(spot);
+        };
+        if (entered.count(house) == 0 && tryWallSpot(cell, side, 0.4f + offset, 1.1f, 0, 2.3f, spot)) {
+          entered.insert(house);
+          add(Fixture::kEntrance);
+        } else if (dice < 12 && tryWallSpot(cell, side, offset, 2.2f, 0.4f, 2.5f, spot)) {
+          add(Fixture::kShopFront);
+        } else if (dice < 16 && tryWallSpot(cell, side, offset, 1.5f, 1.1f, 1.85f, spot)) {
+          add(Fixture::kNoticeBoard);
+        } else if (dice >= 90 && tryWallSpot(cell, side, offset, 0.24f, 2.4f, 2.52f, spot)) {
+          add(Fixture::kDoorSign);
+        }
+      }
+}
+
 void Building::chooseSpots(base::Rng rng) {
   for (std::size_t r = 0; r < rooms_.size(); ++r)
     for (const int cell : rooms_[r].cells)
       for (int side = 0; side < 4; ++side) {
-        const bool wanted = rng.below(100) < (rooms_[r].isCorridor() ? 34u : 26u);
+        const bool wanted = rng.below(100) < (plan_.open ? 8u : rooms_[r].isCorridor() ? 34u : 26u);
         const float offset = static_cast<float>(rng.uniform(0, 0.45)),
                     width = static_cast<float>(rng.uniform(0.42, 0.85));
         const float low = static_cast<float>(rng.uniform(0.95, 1.25));
@@ -307,10 +346,11 @@ void Building::furnish(base::Rng rng) {
   const std::vector<K> office{K::kRug,   K::kDesk,  K::kBookshelf, K::kCabinet,   K::kDesk, K::kChair,
                               K::kTable, K::kPlant, K::kChair,     K::kBookshelf, K::kBin,  K::kBoxes};
   const std::vector<K> corridor{K::kCabinet, K::kPlant, K::kBoxes, K::kBookshelf, K::kBin, K::kSofa};
+  const std::vector<K> street{K::kPlant, K::kBin, K::kPlant, K::kBoxes, K::kTable, K::kPlant, K::kCabinet};
   for (std::size_t r = 0; r < rooms_.size(); ++r) {
     const double area = static_cast<double>(rooms_[r].cells.size()) * plan_.cell * plan_.cell;
-    const auto& kinds = rooms_[r].isCorridor() ? corridor : office;
-    const int count = static_cast<int>(area * (rooms_[r].isCorridor() ? 0.25 : 0.8));
+    const auto& kinds = plan_.open ? street : rooms_[r].isCorridor() ? corridor : office;
+    const int count = static_cast<int>(area * (plan_.open ? 0.1 : rooms_[r].isCorridor() ? 0.25 : 0.8));
     const auto shift = rooms_[r].isCorridor() ? rng.below(static_cast<std::uint32_t>(kinds.size())) : 0u;
     for (int i = 0; i < std::min(count, 30); ++i) {
       Furniture piece;

@@ -83,6 +83,7 @@ void DriveParams::describe(base::Params& p) {
   p.add("speed", speed, "of the robot [m/s]", {0.05, 3});
   p.add("lateral", lateral, "wander to both sides of the route, one sigma [m]", {0, 0.5});
   p.addDegrees("heading", heading, "wander of the heading, one sigma [deg]", {0, 30});
+  p.add("laps", laps, "rounds of a tour without a stop", {0.1, 100});
   p.add("odometry_distance", odometry_distance, "noise along the motion after 1 m [m]", {0, 1});
   p.add("odometry_lateral", odometry_lateral, "noise across the motion after 1 m [m]", {0, 1});
   p.addDegrees("odometry_heading", odometry_heading, "noise of the heading after 1 m [deg]", {0, 45});
@@ -154,7 +155,7 @@ Drive::Drive(const Route& route, const DriveParams& params, DriveKind kind, std:
   const base::Rng rng(seed);
   base::Rng choice = rng.fork(1);
   if (kind == DriveKind::kTour) {
-    follow(route, 0, route.length(), rng.fork(2), 0, 1);
+    follow(route, 0, params_.laps * route.length(), rng.fork(2), 0, 1);
   } else {
     const double start = route.length() * choice.uniform(0.15, 0.5), end = start + 0.7 * route.length();
     const double bias = (choice.below(2) ? 1 : -1) * 0.22;

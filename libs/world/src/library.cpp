@@ -15,7 +15,7 @@ namespace engram::world {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int kPosters = 60, kPeople = 10, kLooks = 4;
+constexpr int kPosters = 60, kPeople = 10, kLooks = 4, kFacades = 14, kShops = 10;
 constexpr std::size_t kMostPhotographs = 200;
 
 std::vector<cv::Mat> readPhotographs(const std::string& folder) {
@@ -95,6 +95,12 @@ Library::Library(const Building& building, const std::string& photographs) {
   grime = atlas.add(paint::grime(fresh()));
   white = atlas.add(plaster(fresh(), {215, 220, 222}));
   metal = atlas.add(cv::Mat(64, 64, CV_8UC3, cv::Scalar(105, 108, 110)));
+  if (!building.plan().open) return;
+  for (int i = 0; i < kFacades; ++i)
+    facades.push_back(atlas.add(facade(fresh(), mix(randomPaint(colours, 60, 230), {185, 200, 210}, 0.5))));
+  for (int i = 0; i < kLooks; ++i) streets.push_back(atlas.add(street(fresh(), i)));
+  for (int i = 0; i < kShops; ++i) shops.push_back(atlas.add(shopFront(fresh())));
+  for (int i = 0; i < kShops; ++i) signs.push_back(atlas.add(doorSign(fresh(), 1 + 2 * i)));
 }
 
 }  // namespace engram::world

@@ -35,6 +35,11 @@ cv::Mat fabric(Rng rng, const Paint& colour);
 cv::Mat foliage(Rng rng);
 cv::Mat grime(Rng rng);  ///< stains, scratches and wear over many metres; grey 128 is clean
 
+// Streets.
+cv::Mat facade(Rng rng, const Paint& colour);  ///< tiles; 4 x 4 m, one storey with its windows
+cv::Mat street(Rng rng, int kind);             ///< tiles; 4 x 4 m of asphalt, cobbles or slabs
+cv::Mat shopFront(Rng rng);                    ///< a window with goods and a name above
+
 // Things with a front.
 cv::Mat door(Rng rng, int kind);
 cv::Mat doorSign(Rng rng, int number);

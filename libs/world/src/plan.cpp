@@ -155,13 +155,16 @@ Plan parsePlan(const std::string& text, const std::string& name) {
       readGrid(name, in, line, plan);
     } else if (key == "route") {
       while (words >> value) plan.route.push_back(readPoint(name, line, value));
-    } else if (key == "name" || key == "cell" || key == "height") {
+    } else if (key == "name" || key == "cell" || key == "height" || key == "roof") {
       if (!(words >> value)) fail(name, line, key + " has no value");
       if (key == "name") plan.name = value;
       if (key == "cell") plan.cell = readNumber(name, line, key, value, 0.2, 2.0);
-      if (key == "height") plan.height = readNumber(name, line, key, value, 2.3, 6.0);
+      if (key == "height") plan.height = readNumber(name, line, key, value, 2.3, 15.0);
+      if (key == "roof" && value != "flat" && value != "none")
+        fail(name, line, "roof '" + value + "' is neither flat nor none");
+      if (key == "roof") plan.open = value == "none";
     } else {
-      fail(name, line, "unknown key '" + key + "'; use name, cell, height, route or grid");
+      fail(name, line, "unknown key '" + key + "'; use name, cell, height, roof, route or grid");
     }
   }
   if (plan.rows == 0) fail(name, 0, "no grid; see the description of the plan format");
@@ -179,6 +182,7 @@ Plan loadPlan(const std::string& path) {
 std::string Plan::toText() const {
   std::ostringstream out;
   out << "name " << name << "\ncell " << cell << "\nheight " << height << "\n";
+  if (open) out << "roof none\n";
   for (const auto& p : route) out << "route " << p.x() << "," << p.y() << "\n";
   out << "grid\n";
   for (int y = rows - 1; y >= 0; --y) {

@@ -150,10 +150,66 @@ Plan corridorsPlan(base::Rng rng) {
   return d.plan;
 }
 
+// Three by three streets of 6 m between four blocks of houses; the tour goes round two of them.
+Plan campusPlan(base::Rng rng) {
+  const int wide = 30 + static_cast<int>(rng.below(3)), deep = 18 + static_cast<int>(rng.below(3));
+  const int street = 12, margin = 2;
+  const int x1 = margin + street + wide, x2 = x1 + street + wide;  // where the second and third street begin
+  const int y1 = margin + street + deep, y2 = y1 + street + deep;
+  Draughtsman d("campus", x2 + street + margin, y2 + street + margin);
+  d.plan.height = 9;
+  d.plan.open = true;
+  d.fill(0, 0, d.plan.columns - 1, d.plan.rows - 1, '#');
+  char letter = 'a';
+  for (const int x : {margin, x1, x2}) d.fill(x, margin, x + street - 1, y2 + street - 1, letter++);
+  for (const int y : {margin, y1, y2}) d.fill(margin, y, x2 + street - 1, y + street - 1, '.');
+  const double half = street / 2.0;
+  const auto corner = [&](int x, int y) { d.visit(x + half, y + half); };
+  corner(margin, margin), corner(x1, margin), corner(x1, y1), corner(x2, y1), corner(x2, y2),
+      corner(margin, y2);
+  return d.plan;
+}
+
+// A ring of corridors with rooms on all sides. The tour circles once in the first room, crosses the beginning
+// of that loop again for two metres, goes on round the ring and comes back: the kind of drive of Angeli et
+// al. 2009.
+Plan loopsPlan(base::Rng rng) {
+  Draughtsman d("loops", 64, 44);
+  d.fill(1, 1, 62, 42, '#');
+  d.fill(2, 14, 61, 17, '.'), d.fill(2, 33, 61, 36, '.');
+  d.fill(2, 18, 5, 32, '.'), d.fill(58, 18, 61, 32, '.');
+  d.fill(2, 2, 15, 12, 'a');  // the room of the small loop
+  d.doorH(4, 13), d.doorH(8, 13);
+  const auto south = splitRow(17, 61, 4, rng), inner = splitRow(7, 56, 4, rng),
+             north = splitRow(2, 61, 5, rng);
+  drawRooms(d, south, 2, 12, 13, std::vector<bool>(4, false), 'b', rng);
+  drawRooms(d, inner, 19, 31, 18, std::vector<bool>(4, false), 'f', rng);
+  drawRooms(d, north, 38, 41, 37, std::vector<bool>(5, false), 'j', rng);
+  windowsH(d, 2, 15, 1, 2, 3);
+  for (const auto& r : south) windowsH(d, r.x0, r.x1, 1, 2, 4);
+  for (const auto& r : north) windowsH(d, r.x0, r.x1, 42, 2, 4);
+  for (const int x : {1, 62})
+    for (const int y : {15, 24, 34}) d.fill(x, y, x, y + 1, '=');
+  for (const auto& [x, y] : {std::pair{5.0, 4.0},
+                             {13.0, 4.0},
+                             {13.0, 10.0},
+                             {5.0, 10.0},
+                             {5.0, 4.2},
+                             {9.0, 4.2},
+                             {9.0, 15.5},
+                             {60.0, 15.5},
+                             {60.0, 34.5},
+                             {4.0, 34.5},
+                             {4.0, 15.5},
+                             {5.0, 15.5}})
+    d.visit(x, y);
+  return d.plan;
+}
+
 }  // namespace
 
 const std::vector<std::string>& presetNames() {
-  static const std::vector<std::string> names{"tiny", "office", "corridors"};
+  static const std::vector<std::string> names{"tiny", "office", "corridors", "campus", "loops"};
   return names;
 }
 
@@ -166,8 +222,12 @@ Plan presetPlan(const std::string& preset, std::uint64_t seed) {
     plan = officePlan(rng);
   else if (preset == "corridors")
     plan = corridorsPlan(rng);
+  else if (preset == "campus")
+    plan = campusPlan(rng);
+  else if (preset == "loops")
+    plan = loopsPlan(rng);
   else
-    throw base::Error("unknown preset '" + preset + "'; use tiny, office or corridors");
+    throw base::Error("unknown preset '" + preset + "'; use tiny, office, corridors, campus or loops");
   return parsePlan(plan.toText(), "preset " + preset);  // holds the generator to the rules of the format
 }
 

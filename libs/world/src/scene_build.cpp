@@ -5,6 +5,11 @@
 #include <cmath>
 
 namespace engram::world {
+namespace {
+
+constexpr float kFar = 30.0f;  // [m] distance of the scenery outside of a building
+
+}  // namespace
 
 Scene::Scene(const Building& building, const Appearance& appearance, const Library& library, int threads)
     : building_(building),
@@ -13,8 +18,13 @@ Scene::Scene(const Building& building, const Appearance& appearance, const Libra
       columns_(building.plan().columns),
       rows_(building.plan().rows),
       size_(static_cast<float>(building.plan().cell)),
-      height_(static_cast<float>(building.plan().height)) {
+      height_(static_cast<float>(building.plan().height)),
+      open_(building.plan().open),
+      far_(open_ ? std::max(kFar, std::hypot(size_ * static_cast<float>(columns_),
+                                             size_ * static_cast<float>(rows_)))
+                 : kFar) {
   buildCells();
+  if (open_) buildStreets();
   hangPictures();
   buildDoors();
   buildWindows();
@@ -51,6 +61,23 @@ void Scene::buildCells() {
   }
 }
 
+/// Every cell beside a house shows that house's front.
+void Scene::buildStreets() {
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    Cell& c = cells_[i];
+    const int cell = static_cast<int>(i), room = building_.roomOf(cell);
+    if (room < 0) continue;
+    c.floorTexture = library_.streets[static_cast<std::size_t>(room) % library_.streets.size()];
+    c.floorScale = Library::kStreetScale;
+    c.wallScale = Library::kFacadeScale;
+    for (int side = 0; side < 4; ++side) {
+      const int x = cell % columns_ + kSteps[side][0], y = cell / columns_ + kSteps[side][1];
+      if (building_.plan().at(x, y) == '#')
+        c.wall = library_.facades[building_.houseAt(cell, side) % library_.facades.size()];
+    }
+  }
+}
+
 void Scene::addDecal(const WallSpot& spot, int texture) {
   const int stride = spot.side < 2 ? columns_ : 1;
   for (int i = 0; i < spot.cells; ++i) {
@@ -75,6 +102,12 @@ void Scene::hangPictures() {
         break;
       case Fixture::kFrame:
         addDecal(f.spot, library_.metal);
+        break;
+      case Fixture::kEntrance:
+        addDecal(f.spot, library_.doors[f.look % library_.doors.size()]);
+        break;
+      case Fixture::kShopFront:
+        addDecal(f.spot, library_.shops[f.look % library_.shops.size()]);
         break;
     }
   }

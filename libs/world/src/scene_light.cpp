@@ -12,6 +12,9 @@ constexpr float kReach = 9.0f;      // [m]; farther lamps and windows add nothin
 constexpr float kLampPower = 2.3f;  // irradiance at 1 m below
 constexpr float kBounce = 0.55f;    // share of the light that walls give back
 const Colour kLampColour = bgr(0.80f, 0.97f, 1.08f);
+constexpr float kStreetLampPower = 4.0f;  // times that of a lamp in a room
+constexpr int kSkyRays = 24;
+constexpr float kSkyRadiance = 0.45f;  // mean of the sky, of the daylight
 
 }  // namespace
 
@@ -43,7 +46,8 @@ void Scene::bakeCell(int x, int y, const std::vector<Eigen::Array3f>& panes) {
       const Eigen::Array3f d = lamp - p;
       const float r2 = d.square().sum();
       if (r2 > kReach * kReach || !visible(p, lamp)) continue;
-      add(lamp, kLampColour * (kLampPower * (0.15f + 0.85f * std::max(0.0f, d[2]) / std::sqrt(r2))));
+      add(lamp, kLampColour * ((open_ ? kStreetLampPower : 1.0f) * kLampPower *
+                               (0.15f + 0.85f * std::max(0.0f, d[2]) / std::sqrt(r2))));
     }
     for (const auto& pane : panes) {
       const Eigen::Array3f d = pane - p;
@@ -54,6 +58,24 @@ void Scene::bakeCell(int x, int y, const std::vector<Eigen::Array3f>& panes) {
           isFloor(building_.plan().cells[static_cast<std::size_t>(cell + columns_)]);
       const float cosine = std::abs(d[alongX ? 1 : 0]) / std::sqrt(d.square().sum());
       add(pane, appearance_.daylight * (size_ * (kWindowHead - kSill) * cosine * 0.5f));
+    }
+  }
+}
+
+// Light of the open sky: rays spread evenly over the upper half of the sphere.
+void Scene::addSky(int x, int y) {
+  const float level = height_ / kLevels;
+  const Colour share = appearance_.daylight * (kSkyRadiance * 2.0f / kSkyRays);
+  for (int k = 0; k < kLevels; ++k) {
+    const Eigen::Array3f p((static_cast<float>(x) + 0.5f) * size_, (static_cast<float>(y) + 0.5f) * size_,
+                           (static_cast<float>(k) + 0.5f) * level);
+    for (int i = 0; i < kSkyRays; ++i) {
+      const float z = (static_cast<float>(i) + 0.5f) / kSkyRays, angle = 2.39996f * static_cast<float>(i);
+      const float flat = std::sqrt(1 - z * z);
+      const Eigen::Array3f d(flat * std::cos(angle), flat * std::sin(angle), z);
+      if (trace(p, d).kind != Hit::Kind::kOutside) continue;
+      for (int a = 0; a < 3; ++a)
+        light_[lightIndex(2 * a + (d[a] > 0 ? 0 : 1), k, y, x)] += share * std::abs(d[a]);
     }
   }
 }
@@ -158,7 +180,9 @@ void Scene::bakeLight(int threads) {
   base::parallelFor(static_cast<std::size_t>(rows_), threads, [&](std::size_t y) {
     for (int x = 0; x < columns_; ++x) {
       const Cell& c = cells_[y * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)];
-      if (!c.solid && !c.outside) bakeCell(x, static_cast<int>(y), panes);
+      if (c.solid || c.outside) continue;
+      bakeCell(x, static_cast<int>(y), panes);
+      if (open_) addSky(x, static_cast<int>(y));
     }
   });
   scatter();

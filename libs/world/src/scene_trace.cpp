@@ -11,7 +11,8 @@ namespace {
 
 using Eigen::Array3f;
 
-constexpr float kFar = 30.0f;         // [m] distance of the scenery outside
+constexpr float kPainted = 30.0f;     // [m] distance that the scenery outside is painted for
+constexpr float kClouds = 0.12f;      // share of its height, from above, that is nothing but sky
 constexpr float kGrimeScale = 0.19f;  // repetitions per metre, no simple ratio to those of the walls
 
 int mipLevel(float texels, float dither) {
@@ -73,12 +74,13 @@ Hit Scene::trace(const Array3f& o, const Array3f& d, float limit) const {
     const float exit = std::min(nextX, nextY);
     const bool up = inverse[2] > 0;
     const float level = ((up ? cell.ceiling : cell.floor) - o[2]) * inverse[2];
-    if (level <= exit && level < limit) {
+    const bool leaves = open_ && up && level <= exit;  // above the houses is the sky
+    if (level <= exit && level < limit && !leaves) {
       hit.t = level, hit.kind = up ? Hit::Kind::kCeiling : Hit::Kind::kFloor;
       hit.side = up ? 4 : 5;
     }
     if (cell.boxes.count > 0) hitBoxes(cell, o, inverse, std::min({exit, level, limit}) + 1e-4f, hit);
-    if (hit.kind != Hit::Kind::kOutside || exit >= limit) return hit;
+    if (hit.kind != Hit::Kind::kOutside || exit >= limit || leaves) return hit;
     const bool alongX = nextX < nextY;
     const int cx = x + (alongX ? stepX : 0), cy = y + (alongX ? 0 : stepY);
     if (cx >= 0 && cy >= 0 && cx < columns_ && cy < rows_) {
@@ -174,7 +176,7 @@ Colour Scene::surface(const Hit& hit, const Array3f& p, float metres, float dith
     case Hit::Kind::kBox:
       return boxColour(hit, p, metres, dither, glow);
     case Hit::Kind::kWall: {
-      const float low = std::min(p[2], height_ - p[2]);
+      const float low = open_ ? p[2] : std::min(p[2], height_ - p[2]);
       return wallColour(hit, p, metres, dither) * (1 - 0.3f / (1 + 60 * low * low));
     }
     case Hit::Kind::kFloor: {
@@ -199,13 +201,17 @@ Colour Scene::skyColour(const Array3f& o, const Array3f& d, float footprint, flo
   const float cx = static_cast<float>(columns_) * size_ / 2, cy = static_cast<float>(rows_) * size_ / 2;
   const float ox = o[0] - cx, oy = o[1] - cy;
   const float a = std::max(d[0] * d[0] + d[1] * d[1], 1e-9f), b = ox * d[0] + oy * d[1];
-  const float t = (-b + std::sqrt(std::max(0.0f, b * b - a * (ox * ox + oy * oy - kFar * kFar)))) / a;
+  const float t = (-b + std::sqrt(std::max(0.0f, b * b - a * (ox * ox + oy * oy - far_ * far_)))) / a;
   const float angle = std::atan2(oy + t * d[1], ox + t * d[0]);
   const float u = 0.5f - angle / (2 * std::numbers::pi_v<float>);
-  const float v = std::clamp((24.0f - (o[2] + t * d[2])) / 32.0f, 0.004f, 0.996f);
+  // The picture was painted for 30 m: farther away all of it is larger. Under the open sky the clouds go on
+  // above it, mirrored.
+  float v = (24.0f - (o[2] + t * d[2]) * (kPainted / far_)) / 32.0f;
+  if (open_ && v < 0) v = std::abs(std::remainder(v, 2 * kClouds));
+  v = std::clamp(v, 0.004f, 0.996f);
   const Texture& view = library_.atlas[library_.outside[static_cast<std::size_t>(appearance_.season)]];
   const float texels =
-      footprint * kFar * static_cast<float>(view.width()) / (2 * std::numbers::pi_v<float> * kFar);
+      footprint * far_ * static_cast<float>(view.width()) / (2 * std::numbers::pi_v<float> * far_);
   return view.sample(u, v, mipLevel(texels, dither)) * appearance_.daylight * 0.55f;
 }
 

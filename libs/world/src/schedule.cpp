@@ -143,9 +143,11 @@ void Schedule::setLight(Appearance& a, base::Rng& rng) const {
   std::vector<bool> roomLit(building_.rooms().size());
   for (std::size_t r = 0; r < roomLit.size(); ++r) {
     const bool corridor = building_.rooms()[r].isCorridor();
-    roomLit[r] = !params_.light || rng.uniform() < (corridor ? (dark || work ? 1.0 : 0.6)
-                                                    : dark   ? 0.75
-                                                             : 0.45);
+    roomLit[r] = building_.plan().open
+                     ? dark
+                     : !params_.light || rng.uniform() < (corridor ? (dark || work ? 1.0 : 0.6)
+                                                          : dark   ? 0.75
+                                                                   : 0.45);
   }
   for (std::size_t i = 0; i < a.lampOn.size(); ++i)
     a.lampOn[i] = roomLit[static_cast<std::size_t>(building_.lamps()[i].room)] &&

@@ -52,6 +52,10 @@ enum class Spread {
 std::string curveChart(const ChartFrame& frame, const std::vector<Curve>& curves,
                        Spread spread = Spread::kBars);
 
+/// Ways in the plane as lines, one unit as long in x as in y. `marks` are points beside them.
+std::string pathChart(const ChartFrame& frame, const std::vector<Curve>& paths,
+                      const std::vector<Curve>& marks = {});
+
 struct BarSeries {
   std::string label = {};
   int style = 0;

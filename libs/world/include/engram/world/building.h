@@ -40,7 +40,7 @@ struct WallSpot {
   float z0 = 0, z1 = 0;  ///< [m]
 };
 
-enum class Fixture : std::uint8_t { kNoticeBoard, kDoorSign, kSmallThing, kFrame };
+enum class Fixture : std::uint8_t { kNoticeBoard, kDoorSign, kSmallThing, kFrame, kEntrance, kShopFront };
 struct FixedSpot {
   WallSpot spot;
   Fixture kind = Fixture::kSmallThing;
@@ -86,6 +86,9 @@ class Building {
   const std::vector<Lamp>& lamps() const { return lamps_; }
   const std::vector<WallSpot>& posterSpots() const { return posterSpots_; }
   const std::vector<FixedSpot>& fixtures() const { return fixtures_; }
+  /// Number that tells houses along a street apart: of the house that stands beside a floor cell in direction
+  /// `side`. Without an order; the same for a whole front.
+  std::uint32_t houseAt(int cell, int side) const;
   /// As on the day of opening.
   const std::vector<Furniture>& furniture() const { return furniture_; }
   /// Room of a floor cell, -1 elsewhere.
@@ -102,6 +105,7 @@ class Building {
   void findDoors();
   void hangLamps();
   void screwFixtures(base::Rng rng);
+  void buildFronts(base::Rng rng);
   void chooseSpots(base::Rng rng);
   void furnish(base::Rng rng);
   bool tryWallSpot(int cell, int side, float offset, float width, float z0, float z1, WallSpot& spot) const;

@@ -27,6 +27,7 @@ struct DriveParams {
   double speed = 0.6;            ///< [m/s]
   double lateral = 0.10;         ///< wander to both sides of the route, one sigma [m]
   double heading = 0.035;        ///< the same for the heading [rad]
+  double laps = 1.0;             ///< rounds of a tour without a stop
   // Noise of the odometry: variances grow with the distance driven and the angle turned.
   double odometry_distance = 0.02;  ///< along the motion [m] after 1 m
   double odometry_lateral = 0.005;  ///< across the motion [m] after 1 m
@@ -59,7 +60,7 @@ class Route {
 };
 
 enum class DriveKind : std::uint8_t {
-  kTour,  ///< once round the route from its start
+  kTour,  ///< DriveParams::laps times round the route from its start
   kTest,  ///< from another start, aside of the route, part of it back in the other direction
 };
 

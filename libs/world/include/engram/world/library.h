@@ -25,7 +25,9 @@ struct Library {
   std::vector<Style> styles;  ///< by Room::style
   std::vector<int> doors, posters, boards, signs, smallThings, shelves, cabinets, cartons, woods, fabrics,
       rugs, people,
-      outside;  ///< outside by season
+      outside;                               ///< outside by season
+  std::vector<int> facades, streets, shops;  ///< of plans without a roof; empty for others
+  static constexpr float kFacadeScale = 0.25f, kStreetScale = 0.25f;  ///< repetitions per metre
   int ceiling = 0, radiator = 0, lamp = 0, screen = 0, foliage = 0, grime = 0, white = 0, metal = 0;
 };
 

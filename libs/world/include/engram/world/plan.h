@@ -17,6 +17,7 @@ namespace engram::world {
 ///     name   hall
 ///     cell   0.5            side of a grid cell [m]
 ///     height 2.7            floor to ceiling [m]
+///     roof   none           streets under the sky, `height` is that of the houses; default: flat
 ///     route  1.5,1.5 6,1.5 6,4 1.5,4     closed tour through these points [m]; may be repeated to go on
 ///     grid                  first line is the far side (largest y), first character is x = 0
 ///     ################
@@ -31,6 +32,7 @@ struct Plan {
   std::string name = "plan";
   double cell = 0.5;    ///< [m]
   double height = 2.7;  ///< [m]
+  bool open = false;    ///< no roof: streets between houses
   int columns = 0, rows = 0;
   std::vector<char> cells;             ///< rows x columns, row 0 at y = 0
   std::vector<Eigen::Vector2d> route;  ///< [m]; the tour returns from the last to the first
@@ -52,8 +54,9 @@ Plan parsePlan(const std::string& text, const std::string& name);
 Plan loadPlan(const std::string& path);
 
 /// `tiny` (one corridor and a room in a loop of 20 m), `office` (a corridor loop, 15 rooms, tour of about 80
-/// m) or `corridors` (a ladder of self-similar corridors). The seed varies the sizes of rooms and the places
-/// of doors.
+/// m), `corridors` (a ladder of self-similar corridors), `campus` (streets under the sky, tour of about 145
+/// m) or `loops` (a small loop in a room, then a long one in a corridor, about 100 m). The seed varies the
+/// sizes of rooms and the places of doors.
 Plan presetPlan(const std::string& preset, std::uint64_t seed);
 const std::vector<std::string>& presetNames();
 

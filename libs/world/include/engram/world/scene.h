@@ -87,6 +87,7 @@ class Scene {
 
   // scene_build.cpp
   void buildCells();
+  void buildStreets();
   void hangPictures();
   void addDecal(const WallSpot& spot, int texture);
   void buildDoors();
@@ -97,6 +98,7 @@ class Scene {
   // scene_light.cpp
   void bakeLight(int threads);
   void bakeCell(int x, int y, const std::vector<Eigen::Array3f>& panes);
+  void addSky(int x, int y);
   void scatter();
   void fillSolid();
   void findSun();
@@ -125,6 +127,8 @@ class Scene {
   const Library& library_;
   int columns_, rows_;
   float size_, height_;
+  bool open_;  // no ceilings
+  float far_;  // distance of the scenery outside [m]
   std::vector<Cell> cells_;
   std::vector<std::vector<Decal>> faceDecals_;  // by cell * 4 + side, while building
   std::vector<Decal> decals_;
