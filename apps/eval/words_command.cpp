@@ -26,10 +26,15 @@ pipeline::PipelineParams wordsMono() {
   p.extractor.upright = true;
   p.verify.model = "planar_then_essential";
   p.recognise.scorer = "tfidf_incremental";
+  p.recognise.verified_scores = 10;
   p.recognise.accept_inliers = 12;
   p.recognise.accept_similarity = 0.1;
+  p.recognise.sure_inliers = 60;
+  p.recognise.closure_similarity = 0.2;
   p.belief.peak_sigma = 1.5;
   p.belief.floor = 0.03;
+  p.belief.accept_hops = 4;
+  p.place.recent_hops = 10;
   p.fsh.ltm_min_features = 600;
   return p;
 }

@@ -128,8 +128,8 @@ TEST(LearnedAdvance, FindsTheStepAndForgetsIt) {
   base::Rng rng(5);
   const auto probability = [&](double low, double high) {
     double sum = 0;
-    for (std::size_t k = 0; k < filter.stepProbabilities().size(); ++k)
-      if (filter.stepSize(k) >= low && filter.stepSize(k) <= high) sum += filter.stepProbabilities()[k];
+    for (const auto& step : filter.learntSteps())
+      if (step.size >= low && step.size <= high) sum += step.probability;
     return sum;
   };
   const auto drive = [&](double from, double step, int images) {

@@ -51,7 +51,7 @@ void MapTruth::readPlaces(const map::TopologicalMap& map) {
   };
   std::vector<std::pair<int, int>> edges;
   for (const auto& [id, edge] : map.edges())
-    if (edge.type != map::EdgeType::kWeak) edges.emplace_back(indexOf(edge.a), indexOf(edge.b));
+    if (map::isPassage(edge.type)) edges.emplace_back(indexOf(edge.a), indexOf(edge.b));
   surveyed_.adjacency = belief::Adjacency::fromEdges(ids_.size(), edges);
 }
 

@@ -26,14 +26,23 @@ void BeliefParams::describe(base::Params& p) {
   p.add("floor", floor, "smallest likelihood, relative to the largest", {1e-12, 1});
   p.add("accept_threshold", accept_threshold, "smallest belief in a neighbourhood that is accepted", {0, 1});
   p.add("accept_hops", accept_hops, "radius of that neighbourhood [hops]", {0, 100});
-  p.addChoice("advance", advance, "whether the motion along the chain of places is learnt from the belief",
-              {"none", "learned"});
+  p.addChoice("advance", advance,
+              "motion from image to image: not known, learnt along the chain of places, or in the direction "
+              "and over the distance that odometry reports",
+              {"none", "learned", "odometry"});
   p.add("advance_max", advance_max, "largest step that is learnt, either way [places/image]", {1, 20});
   p.add("advance_resolution", advance_resolution, "steps that are told apart, for each place", {1, 10});
   p.add("advance_persistence", advance_persistence, "probability that a step is like the one before", {0, 1});
   p.add("advance_blind", advance_blind, "share that moves by the Gaussian on hops all the same", {0.001, 1});
   p.add("advance_forgetting", advance_forgetting, "weight of the past in the learnt steps, per image",
         {0, 0.9999});
+  p.add("advance_headings", advance_headings,
+        "advance = odometry: rotations between odometry and map that are told apart", {4, 360});
+  p.addDegrees(
+      "view_sigma_deg", view_sigma,
+      "advance = odometry: heading within which a place is recognised [deg]; 0: at any, as for a camera "
+      "that sees all round",
+      {0, 180});
 }
 
 }  // namespace engram::belief

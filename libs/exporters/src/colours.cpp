@@ -38,6 +38,8 @@ Colour edgeColour(map::EdgeType type) {
       return {200, 170, 60};
     case map::EdgeType::kCompounded:
       return {150, 80, 160};
+    case map::EdgeType::kDeadReckoning:
+      return {190, 190, 190};
   }
   return {};
 }

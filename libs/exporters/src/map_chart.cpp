@@ -26,7 +26,7 @@ void drawEdges(Drawing& drawing, const map::TopologicalMap& map) {
   for (const auto& [id, e] : map.edges())
     drawing.line(onGround(map.place(e.a).T_map_place), onGround(map.place(e.b).T_map_place),
                  edgeColour(e.type), e.type == map::EdgeType::kOdometry ? 1.2 : 2.2,
-                 e.type == map::EdgeType::kWeak);
+                 !map::isPassage(e.type));
 }
 
 void drawPlaces(Drawing& drawing, const map::TopologicalMap& map) {
@@ -52,7 +52,7 @@ std::vector<LegendEntry> legendOf(const map::TopologicalMap& map) {
     if (std::any_of(map.edges().begin(), map.edges().end(),
                     [&](const auto& e) { return e.second.type == type; }))
       legend.push_back({map::toString(type), edgeColour(type),
-                        type == map::EdgeType::kWeak ? LegendKey::kDashed : LegendKey::kLine});
+                        !map::isPassage(type) ? LegendKey::kDashed : LegendKey::kLine});
   legend.push_back({"place: few", viridis(0), LegendKey::kSwatch});
   legend.push_back({"many long-term features", viridis(1), LegendKey::kSwatch});
   return legend;

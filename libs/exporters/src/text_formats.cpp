@@ -44,7 +44,7 @@ void writeDot(const std::string& path, const map::TopologicalMap& map, bool over
   for (const auto& [id, edge] : map.edges())
     out << "  " << edge.a.value << " -- " << edge.b.value << " [class=" << map::toString(edge.type)
         << (edge.type == map::EdgeType::kOdometry ? "" : ", penwidth=2")
-        << (edge.type == map::EdgeType::kWeak ? ", style=dashed" : "") << "];\n";
+        << (!map::isPassage(edge.type) ? ", style=dashed" : "") << "];\n";
   out << "}\n";
   base::writeText(path, out.str(), overwrite);
 }

@@ -79,9 +79,13 @@ const char* toString(EdgeType type) {
       return "weak";
     case EdgeType::kCompounded:
       return "compounded";
+    case EdgeType::kDeadReckoning:
+      return "dead reckoning";
   }
   return "?";
 }
+
+bool isPassage(EdgeType type) { return type != EdgeType::kWeak && type != EdgeType::kDeadReckoning; }
 
 std::string brokenRule(const Place& place) {
   if (!isRigid(place.T_map_place)) return "its pose is not a finite rigid transform";

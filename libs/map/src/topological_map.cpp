@@ -183,15 +183,14 @@ std::vector<Neighbour> TopologicalMap::neighbours(PlaceId id) const {
   return out;
 }
 
-std::map<PlaceId, int> TopologicalMap::hopDistances(PlaceId from, int maxHops, bool throughWeak) const {
+std::map<PlaceId, int> TopologicalMap::hopDistances(PlaceId from, int maxHops, bool throughAll) const {
   std::map<PlaceId, int> hops{{place(from).id, 0}};
   std::deque<PlaceId> queue{from};
   for (; !queue.empty(); queue.pop_front()) {
     const int next = hops.at(queue.front()) + 1;
     if (next > maxHops) break;
     for (const Neighbour& n : neighbours(queue.front()))
-      if ((throughWeak || n.type != EdgeType::kWeak) && hops.emplace(n.place, next).second)
-        queue.push_back(n.place);
+      if ((throughAll || isPassage(n.type)) && hops.emplace(n.place, next).second) queue.push_back(n.place);
   }
   return hops;
 }

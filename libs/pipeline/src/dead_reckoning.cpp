@@ -74,8 +74,16 @@ void DeadReckoning::reset(const Eigen::Isometry3d& T_anchor_robot, const types::
   presentAtAnchor_ = present_;
 }
 
+std::optional<Travel> DeadReckoning::travel() const {
+  if (!known()) return std::nullopt;
+  const Eigen::Isometry3d& T = *T_odom_last_;
+  const Eigen::Vector3d step = T.translation() - T_odom_keyframe_->translation();
+  return Travel{distance_, step.head<2>(), std::atan2(T(1, 0), T(0, 0))};
+}
+
 void DeadReckoning::markKeyframe() {
   distance_ = rotation_ = 0.0;
+  T_odom_keyframe_ = T_odom_last_;
   presentAtKeyframe_ = present_;
 }
 

@@ -75,36 +75,49 @@ bool Localizer::perceive(Work& work) {
 
 void Localizer::recognise(Work& work) {
   const StepTimer timer(work.report, "recognise");
-  std::optional<double> travelled;
-  if (reckoning_.known() && !restarted_) travelled = reckoning_.distance();
+  const auto travel = restarted_ ? std::nullopt : reckoning_.travel();
   restarted_ = false;
   sinceLearning_ += reckoning_.distance();
   sinceLast_ += reckoning_.distance();
   reckoning_.markKeyframe();
-  work.report.hypotheses = recogniser_.recognise(work.features, travelled);
+  work.report.hypotheses = recogniser_.recognise(map_, work.features, travel);
   work.report.bestGuess = work.report.hypotheses.front().place;
   work.report.bestGuessInterpolated = recogniser_.interpolatedPeak();
 }
 
-/// Hypotheses in the order of their posterior, until one is accepted (A-18, A-E13).
+/// What the belief proposes, in the order of the posterior, until one is accepted (A-18, A-E13); then what
+/// geometry alone may find (K-15, K-21).
 void Localizer::verify(Work& work) {
   const StepTimer timer(work.report, "verify");
   work.report.outcome = types::Outcome::kRefused;
   work.report.reason = "no place is probable enough";
   for (auto& hypothesis : candidatesOf(work.report.hypotheses, params_.recognise)) {
     if (recogniser_.neighbourhoodMass(hypothesis.place) < params_.belief.accept_threshold) continue;
-    PlaceMatch match =
-        matchToPlace(work.features, map_.place(hypothesis.place).memory, params_.match, params_.verify);
-    hypothesis.inliers = static_cast<int>(match.matches.size());
-    if (strongEnough(match, params_.recognise) && believable(hypothesis.place, match)) {
-      work.report.outcome = types::Outcome::kRecognised;
-      work.report.reason.clear();
-      work.report.place = hypothesis.place;
-      work.accepted = std::move(match);
-      return;
-    }
+    if (tryPlace(work, hypothesis, params_.recognise.accept_inliers)) return;
     work.report.reason = "the geometry does not confirm the most probable place";
   }
+  if (params_.recognise.sure_inliers <= 0) return;
+  auto similar = recogniser_.mostSimilar();
+  if (!similar) return;
+  if (tryPlace(work, *similar, params_.recognise.sure_inliers)) {
+    recogniser_.confirm(similar->place);
+    work.report.bestGuess = similar->place;
+  }
+  noteInliers(work.report.hypotheses, *similar);
+}
+
+/// Accepts a place if so many matches are verified and the rest of the evidence suffices as well.
+bool Localizer::tryPlace(Work& work, types::Hypothesis& hypothesis, int inliers) {
+  const PlaceMatch& match = recogniser_.match(map_, work.features, hypothesis.place);
+  hypothesis.inliers = static_cast<int>(match.matches.size());
+  if (hypothesis.inliers < inliers || !strongEnough(match, params_.recognise) ||
+      !believable(hypothesis.place, match))
+    return false;
+  work.report.outcome = types::Outcome::kRecognised;
+  work.report.reason.clear();
+  work.report.place = hypothesis.place;
+  work.accepted = match;
+  return true;
 }
 
 /// Counts how long the accepted places have told one story.

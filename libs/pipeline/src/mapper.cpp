@@ -36,6 +36,7 @@ struct Mapper::Work {
   std::vector<Candidate> candidates;  // verified or not, in the order they were tried
   std::optional<Candidate> accepted;  // the place where the robot is
   bool makesPlace = false;
+  bool judged = false;  // closures were judged: edges and poses of the map are to follow
 };
 
 Mapper::Mapper(const PipelineParams& params, map::TopologicalMap map)
@@ -46,10 +47,13 @@ Mapper::Mapper(const PipelineParams& params, map::TopologicalMap map)
       recogniser_(params, Recogniser::Mode::kMapping),
       relaxer_(posegraph::makeRelaxer(params.posegraph)),
       reckoning_(params.odometry),
+      sinceMade_(params.odometry),
+      closures_(params.posegraph),
       map_(std::move(map)),
       session_(map_.nextSession()),
       frontier_(map_.empty()) {
   recogniser_.load(map_);
+  closures_.load(map_);
 }
 
 types::FrameReport Mapper::process(const types::Frame& frame) {
@@ -72,7 +76,10 @@ bool Mapper::perceive(Work& work) {
   return features.has_value();
 }
 
-void Mapper::move(Work& work) { reckoning_.move(work.frame.T_odom_robot); }
+void Mapper::move(Work& work) {
+  reckoning_.move(work.frame.T_odom_robot);
+  sinceMade_.move(work.frame.T_odom_robot);
+}
 
 /// with A-E12 by odometry; F-07 without.
 bool Mapper::select(Work& work) {
@@ -95,44 +102,59 @@ bool Mapper::select(Work& work) {
 
 void Mapper::recognise(Work& work) {
   const StepTimer timer(work.report, "recognise");
-  std::optional<double> travelled;
-  if (reckoning_.known()) travelled = reckoning_.distance();
-  travelled_ += reckoning_.distance();
+  const auto travel = reckoning_.travel();
   reckoning_.markKeyframe();
   lastKeyframe_ = work.features;
   work.report.hypotheses =
-      recogniser_.recognise(work.features, travelled, frontier_ ? recent_ : std::set<base::PlaceId>{});
+      recogniser_.recognise(map_, work.features, travel, frontier_ ? recent_ : std::set<base::PlaceId>{});
   if (!work.report.hypotheses.empty()) work.report.bestGuess = work.report.hypotheses.front().place;
   work.report.bestGuessInterpolated = recogniser_.interpolatedPeak();
   work.report.newPlaceProbability = recogniser_.newPlaceProbability();
 }
 
-/// Hypotheses in the order of their posterior, until one is accepted (A-18, A-E13); then, while new ground is
-/// covered, the places just made.
+/// What the belief proposes, until one is accepted; then what geometry alone may find; then, while new ground
+/// is covered, the places just made.
 void Mapper::verify(Work& work) {
   const StepTimer timer(work.report, "verify");
-  const auto tryPlace = [&](base::PlaceId id) -> const PlaceMatch& {
-    work.candidates.emplace_back(
-        id, matchToPlace(work.features, map_.place(id).memory, params_.match, params_.verify));
-    return work.candidates.back().second;
-  };
-  for (auto& hypothesis : candidatesOf(work.report.hypotheses, params_.recognise)) {
-    if (recogniser_.neighbourhoodMass(hypothesis.place) < params_.belief.accept_threshold) continue;
-    const PlaceMatch& match = tryPlace(hypothesis.place);
-    hypothesis.inliers = static_cast<int>(match.matches.size());
-    if (strongEnough(match, params_.recognise) && belongsTo(hypothesis.place, match) &&
-        (!isClosure(hypothesis.place) || closable(hypothesis.place, match))) {
-      work.accepted = work.candidates.back();
-      return;
-    }
-  }
-  if (!frontier_ || !anchor_.valid()) return;
+  if (verifyBelieved(work) || verifySimilar(work) || !frontier_ || !anchor_.valid()) return;
   const auto nearest = nearestByOdometry();
   const base::PlaceId near = nearest ? nearest->first : anchor_;
-  const PlaceMatch& match = tryPlace(near);
-  if (strongEnough(match, params_.recognise) && belongsTo(near, match))
+  if (!tryPlace(work, near) && near != anchor_) tryPlace(work, anchor_, false);
+}
+
+/// Hypotheses in the order of their posterior (A-18, A-E13).
+bool Mapper::verifyBelieved(Work& work) {
+  for (auto& hypothesis : candidatesOf(work.report.hypotheses, params_.recognise)) {
+    if (recogniser_.neighbourhoodMass(hypothesis.place) < params_.belief.accept_threshold) continue;
+    const bool accepted = tryPlace(work, hypothesis.place);
+    hypothesis.inliers = static_cast<int>(work.candidates.back().second.matches.size());
+    if (accepted) return true;
+  }
+  return false;
+}
+
+/// The most similar place, while the belief is undecided: as many matches as K-15 asks need none (K-21).
+bool Mapper::verifySimilar(Work& work) {
+  if (params_.recognise.sure_inliers <= 0) return false;
+  auto similar = recogniser_.mostSimilar();
+  if (!similar) return false;
+  const PlaceMatch& match = recogniser_.match(map_, work.features, similar->place);
+  similar->inliers = static_cast<int>(match.matches.size());
+  noteInliers(work.report.hypotheses, *similar);
+  if (similar->inliers < params_.recognise.sure_inliers || !tryPlace(work, similar->place)) return false;
+  recogniser_.confirm(similar->place);
+  return true;
+}
+
+/// Matches the image with a place. It is accepted if the evidence suffices for what it would mean.
+bool Mapper::tryPlace(Work& work, base::PlaceId id, bool mayAccept) {
+  work.candidates.emplace_back(id, recogniser_.match(map_, work.features, id));
+  const PlaceMatch& match = work.candidates.back().second;
+  const bool enough =
+      !isClosure(id) || static_cast<int>(match.matches.size()) >= params_.recognise.closure_inliers;
+  if (mayAccept && enough && strongEnough(match, params_.recognise) && belongsTo(id, match))
     work.accepted = work.candidates.back();
-  if (near != anchor_ && !work.accepted) tryPlace(anchor_);
+  return work.accepted.has_value();
 }
 
 bool Mapper::isRecent(base::PlaceId place) const { return frontier_ && recent_.count(place) > 0; }
@@ -159,16 +181,6 @@ bool Mapper::isClosure(base::PlaceId place) const {
   return anchor_.valid() && map_.hopDistances(anchor_, params_.place.recent_hops).count(place) == 0;
 }
 
-/// A closure needs more evidence than a step within the map, and must not ask for more drift than odometry
-/// has.
-bool Mapper::closable(base::PlaceId place, const PlaceMatch& match) const {
-  if (static_cast<int>(match.matches.size()) < params_.recognise.closure_inliers) return false;
-  const auto visited = lastVisit_.find(place);
-  if (!metric() || visited == lastVisit_.end()) return true;
-  const double drift = params_.odometry.max_drift * (travelled_ - visited->second);
-  return T_place_robot(place).translation().norm() <= 2.0 * params_.place.spacing + drift;
-}
-
 /// Whether a verified view is still of this place, or of a new one beside it (F-07).
 bool Mapper::belongsTo(base::PlaceId place, const PlaceMatch& match) const {
   if (!anchor_.valid()) return true;
@@ -177,9 +189,14 @@ bool Mapper::belongsTo(base::PlaceId place, const PlaceMatch& match) const {
   return isClosure(place) || T_place_robot(place).translation().norm() < limit;
 }
 
-/// Recognised, new, or refused.
+/// Recognised, new, or refused. A loop closure enters only if the graph does not deny it.
 void Mapper::decide(Work& work) {
   auto& report = work.report;
+  if (work.accepted && isClosure(work.accepted->first) && metric()) {
+    const auto decision = closures_.propose(map_, closureTo(work, *work.accepted));
+    work.judged = true;
+    if (!decision.accepted) refuse(work, decision.reason);
+  }
   if (work.accepted) {
     report.outcome = types::Outcome::kRecognised;
     report.place = work.accepted->first;
@@ -191,16 +208,22 @@ void Mapper::decide(Work& work) {
   } else if (!anchor_.valid() || (!metric() && !frontier_)) {  // somewhere in the map, or off it
     const bool offTheMap = anchor_.valid() && report.newPlaceProbability >= params_.belief.accept_threshold;
     work.makesPlace = offTheMap || ++misses_ >= params_.place.patience;
-    report.reason = "not localised in the map yet";
+    if (report.reason.empty()) report.reason = "not localised in the map yet";
   } else if (metric()) {
     const auto nearest = nearestByOdometry();
     work.makesPlace = nearest->second >= params_.place.spacing * (frontier_ ? 1.0 : kLeaveFactor);
-    report.reason = "odometry says a known place, the image does not";
+    if (report.reason.empty()) report.reason = "odometry says a known place, the image does not";
   } else {
     work.makesPlace = true;
   }
   report.outcome = work.makesPlace ? types::Outcome::kNewPlace : types::Outcome::kRefused;
   if (work.makesPlace) report.reason.clear();
+}
+
+void Mapper::refuse(Work& work, posegraph::ClosureReason reason) const {
+  work.report.reason = "the graph refuses the closure to place " +
+                       std::to_string(work.accepted->first.value) + ": " + posegraph::toString(reason);
+  work.accepted.reset();
 }
 
 void Mapper::remember(Work& work) {
@@ -222,25 +245,18 @@ void Mapper::remember(Work& work) {
 
 void Mapper::relate(Work& work) {
   const StepTimer timer(work.report, "relate");
+  if (work.judged) applyJudgement(work);
   if (work.accepted) joinPlace(work, *work.accepted);
   if (!anchor_.valid()) return;
-  lastVisit_[anchor_] = travelled_;
   map_.addPathPoint({session_, work.frame.stamp, anchor_,
                      metric() ? reckoning_.anchorToRobot().T_a_b : Eigen::Isometry3d::Identity()});
 }
 
 /// A new node with its edge to where the robot came from (F-05, F-07, A-03).
 void Mapper::addPlace(Work& work) {
-  const bool weak = !map_.empty() && !anchor_.valid();
-  const base::PlaceId from = weak ? map_.places().rbegin()->first : anchor_;
-
-  map::Edge edge;
-  edge.a = from;
-  edge.type = weak ? map::EdgeType::kWeak : map::EdgeType::kOdometry;
-  edge.T_a_b = motionFrom(work, from);
-
+  const base::PlaceId from = cameFrom();
   map::Place place;
-  if (from.valid()) place.T_map_place = map_.place(from).T_map_place * edge.T_a_b.T_a_b;
+  if (from.valid()) place.T_map_place = map_.place(from).T_map_place * motionFrom(work, from).T_a_b;
   place.memory = memory_->start(work.features);
   place.createdStamp = work.frame.stamp;
   place.createdIndex = work.frame.index;
@@ -249,26 +265,60 @@ void Mapper::addPlace(Work& work) {
   work.report.memory.longTerm = static_cast<int>(place.memory.longTerm().size());
   work.report.memory.shortTerm = static_cast<int>(place.memory.features.size()) - work.report.memory.longTerm;
   work.report.memory.added = static_cast<int>(place.memory.features.size());
-  work.report.place = edge.b = map_.addPlace(std::move(place));
-  work.report.learnt = {edge.b};
-  addView(work, edge.b, params_.place.keep_thumbnails);
-  gate_.accepted(edge.b);
+  const base::PlaceId made = work.report.place = map_.addPlace(std::move(place));
+  work.report.learnt = {made};
+  addView(work, made, params_.place.keep_thumbnails);
+  gate_.accepted(made);
   gate_.learnt();
 
-  if (from.valid()) {
-    for (const auto& [id, match] : work.candidates)
-      if (id == from && match.verified()) edge.correspondences = correspondences(match, from, edge.b);
-    map_.addEdge(std::move(edge));
-  }
-  anchor_ = work.report.place;
+  if (from.valid()) addEdges(work, from, made);
+  anchor_ = made_ = made;
+  anchoredBy_ = {};
   reckoning_.reset(Eigen::Isometry3d::Identity(), kCertain);
+  sinceMade_.reset(Eigen::Isometry3d::Identity(), kCertain);
   frontier_ = true;
   misses_ = 0;
-  recent_.clear();
-  for (const auto& [id, hops] : map_.hopDistances(anchor_, params_.place.recent_hops)) recent_.insert(id);
+  recent_.insert(made);
+  const auto near = map_.hopDistances(made, params_.place.recent_hops);
+  std::erase_if(recent_, [&](base::PlaceId id) { return !near.contains(id); });
 
   recogniser_.placeChanged(map_.place(anchor_));
-  recogniser_.edgesChanged(map_);
+  recogniser_.graphChanged(map_);
+}
+
+/// The place that a new one is joined to: the anchor, or at wake-up the last one of the map (K-19).
+base::PlaceId Mapper::cameFrom() const {
+  return anchor_.valid() || map_.empty() ? anchor_ : map_.places().rbegin()->first;
+}
+
+/// A robot that leaves known ground is where it is because an image was recognised there: that edge may be
+/// false, as a closure may. What the wheels say since the last place of this drive does not depend on it.
+void Mapper::addEdges(const Work& work, base::PlaceId from, base::PlaceId place) {
+  map::Edge edge;
+  edge.a = from;
+  edge.b = place;
+  edge.T_a_b = motionFrom(work, edge.a);
+  edge.type = anchor_.valid() ? map::EdgeType::kOdometry : map::EdgeType::kWeak;
+  for (const auto& [id, match] : work.candidates)
+    if (id == edge.a && match.verified()) edge.correspondences = correspondences(match, edge.a, edge.b);
+  const bool rests = anchor_.valid() && metric() && !frontier_;
+  if (rests) edge.type = closureType(edge.a);
+  edge.id = map_.addEdge(edge);
+  if (!rests) return;
+  closures_.enter(edge);
+  if (!made_.valid() || !sinceMade_.anchored()) return;
+  const types::RelPose& counted = sinceMade_.anchorToRobot();
+  const bool neighbours = counted.T_a_b.translation().norm() <= kLeaveFactor * 2 * params_.place.spacing;
+  map::Edge wheels;
+  wheels.a = made_;
+  wheels.b = place;
+  wheels.type = neighbours ? map::EdgeType::kOdometry : map::EdgeType::kDeadReckoning;
+  wheels.T_a_b = counted;
+  map_.addEdge(std::move(wheels));
+}
+
+map::EdgeType Mapper::closureType(base::PlaceId to) const {
+  return map_.place(to).session == session_ ? map::EdgeType::kLoop : map::EdgeType::kRecognition;
 }
 
 /// Relative pose of the new place: by odometry; else the direction of the two-view geometry, one spacing long
@@ -311,38 +361,65 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> Mapper::correspondences(con
   return pairs;
 }
 
-/// The robot is back at a known place: a closing edge where the graph had no short way, and a new anchor.
-void Mapper::joinPlace(Work& work, const Candidate& candidate) {
+/// Where the robot is, seen from the place that it is recognised at: at the place itself, unless
+/// odometry knows better.
+types::RelPose Mapper::atPlace(const Candidate& candidate) const {
   const auto& [id, match] = candidate;
-  if (isRecent(id) && metric()) return;  // odometry since the anchor is better than the place's extent
-
-  const bool near = anchor_.valid() && !isClosure(id);
-  Eigen::Vector3d offset =
-      Eigen::Vector3d::Zero();  // at the place itself, unless odometry knows better
-  if (near && metric()) {
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  if (metric() && !isClosure(id)) {
     offset = T_place_robot(id).translation();
     offset *= std::min(1.0, 0.5 * params_.place.spacing / std::max(1e-9, offset.norm()));
   }
-  types::RelPose atPlace;
-  atPlace.T_a_b = withRotation(match.R_place_view, offset);
+  types::RelPose T_place_robot;
+  T_place_robot.T_a_b = withRotation(match.R_place_view, offset);
   const double extent = 0.5 * params_.place.spacing;
-  atPlace.cov = planarCovariance(extent, extent, 0.05, params_.odometry.sigma_floor);
+  T_place_robot.cov = planarCovariance(extent, extent, 0.05, params_.odometry.sigma_floor);
+  return T_place_robot;
+}
 
-  if (isClosure(id)) {
-    map::Edge edge;
-    edge.type = map_.place(id).session == session_ ? map::EdgeType::kLoop : map::EdgeType::kRecognition;
-    edge.a = anchor_;
-    edge.b = id;
-    edge.T_a_b = compose(motionFrom(work, anchor_), inverse(atPlace));
-    map_.addEdge(std::move(edge));
+map::Edge Mapper::closureTo(const Work& work, const Candidate& candidate) const {
+  map::Edge edge;
+  edge.type = closureType(candidate.first);
+  edge.a = anchor_;
+  edge.b = candidate.first;
+  edge.T_a_b = compose(motionFrom(work, anchor_), inverse(atPlace(candidate)));
+  return edge;
+}
+
+/// The robot is back at a known place: a closing edge where the graph had no short way, and a new anchor.
+void Mapper::joinPlace(Work& work, const Candidate& candidate) {
+  const base::PlaceId id = candidate.first;
+  if (isRecent(id) && metric()) return;  // odometry since the anchor is better than the place's extent
+
+  const types::RelPose T_place_robot = atPlace(candidate);
+  if (!work.judged && isClosure(id)) {  // no odometry that could deny it
+    map_.addEdge(closureTo(work, candidate));
     dropJoinedWeakEdges();
-    recogniser_.edgesChanged(map_);
-    work.report.closure = closedSinceRelax_ = true;
+    recogniser_.graphChanged(map_);
+    work.report.closure = closedUnmetric_ = true;
   }
   anchor_ = id;
   frontier_ = false;
   recent_.clear();
-  reckoning_.reset(atPlace.T_a_b, atPlace.cov);
+  reckoning_.reset(T_place_robot.T_a_b, T_place_robot.cov);
+}
+
+/// Edges and poses follow the judgement over all closures. A robot whose anchor rested on one that is denied
+/// goes back to what the wheels say since the place it made last.
+void Mapper::applyJudgement(Work& work) {
+  const ClosureBook::Changes changes = closures_.apply(map_);
+  work.report.closure = changes.proposed.valid();
+  work.report.closuresDropped = static_cast<int>(changes.dropped.size());
+  work.report.closuresRestored = changes.restored;
+  if (std::count(changes.dropped.begin(), changes.dropped.end(), anchoredBy_) > 0 && made_.valid()) {
+    anchor_ = made_;
+    reckoning_ = sinceMade_;
+    anchoredBy_ = {};
+    frontier_ = true;
+  }
+  if (changes.proposed.valid()) anchoredBy_ = changes.proposed;
+  dropJoinedWeakEdges();
+  recogniser_.graphChanged(map_);
 }
 
 /// A weak link has served once normal edges join its two sides (K-11, K-E11).
@@ -355,21 +432,45 @@ void Mapper::dropJoinedWeakEdges() {
   for (const auto id : joined) map_.removeEdge(id);
 }
 
+/// The judgement over closures has relaxed the whole graph already; a place with more than one edge asks for
+/// its surroundings.
 void Mapper::relax(Work& work) {
   const StepTimer timer(work.report, "relax");
-  if (closedSinceRelax_) relaxAll();
+  if (closedUnmetric_) relaxAll();
+  if (work.makesPlace && map_.neighbours(anchor_).size() > 1) relaxAround(anchor_);
+}
+
+void Mapper::relaxAround(base::PlaceId centre) {
+  const auto constraintsOf = [&](base::PlaceId id) {
+    std::vector<posegraph::Constraint> constraints;
+    for (const map::Neighbour& n : map_.neighbours(id))
+      constraints.push_back(map::toConstraint(map_.edge(n.edge)));
+    return constraints;
+  };
+  const auto poseOf = [&](base::PlaceId id) { return map_.place(id).T_map_place; };
+  const auto& p = params_.posegraph;
+  apply(relaxer_->relax(
+      posegraph::windowAround(centre, p.window_hops, p.window_places, constraintsOf, poseOf)));
 }
 
 void Mapper::relaxAll() {
-  closedSinceRelax_ = false;
-  const posegraph::Relaxation relaxed = relaxer_->relax(map::toGraph(map_));
-  if (relaxed.ending == posegraph::Ending::kConverged || relaxed.ending == posegraph::Ending::kIterationLimit)
-    map_.setPoses(relaxed.poses);
+  closedUnmetric_ = false;
+  apply(relaxer_->relax(map::toGraph(map_)));
+}
+
+void Mapper::apply(const posegraph::Relaxation& relaxed) {
+  if (relaxed.ending != posegraph::Ending::kConverged && relaxed.ending != posegraph::Ending::kIterationLimit)
+    return;
+  map_.setPoses(relaxed.poses);
+  recogniser_.graphChanged(map_);
 }
 
 void Mapper::finish() {
   gate_.restart();
-  relaxAll();
+  if (closures_.empty()) return relaxAll();
+  closures_.review(map_);
+  closures_.apply(map_);
+  recogniser_.graphChanged(map_);
 }
 
 }  // namespace engram::pipeline

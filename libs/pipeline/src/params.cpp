@@ -36,11 +36,20 @@ void RecogniseParams::describe(base::Params& p) {
         "to "
         "the votes",
         {0, 1e6});
+  p.add("verified_scores", verified_scores,
+        "so many places with the best scores are verified at once: their score counts the matches that "
+        "geometry "
+        "confirms, and that of all others is 0; 0 leaves it to the descriptors",
+        {0, 1000});
   p.add("candidates", candidates, "hypotheses that go to geometric verification", {1, 1000});
   p.add("reported", reported, "hypotheses in the record of an image, if they are more than the candidates",
         {1, 1000});
   p.add("accept_inliers", accept_inliers, "verified matches that acceptance needs", {4, 10000});
   p.add("closure_inliers", closure_inliers, "verified matches that a loop closure needs", {4, 10000});
+  p.add("sure_inliers", sure_inliers,
+        "verified matches with which the most similar place is accepted while the belief is undecided; 0: "
+        "never",
+        {0, 10000});
   p.add("closure_similarity", closure_similarity,
         "while mapping: similarity that different places of one building show; instead of [belief] "
         "new_place_similarity",

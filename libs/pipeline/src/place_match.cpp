@@ -23,6 +23,15 @@ std::span<types::Hypothesis> candidatesOf(std::vector<types::Hypothesis>& hypoth
       .first(std::min(hypotheses.size(), static_cast<std::size_t>(params.candidates)));
 }
 
+void noteInliers(std::vector<types::Hypothesis>& hypotheses, const types::Hypothesis& verified) {
+  const auto known = std::find_if(hypotheses.begin(), hypotheses.end(),
+                                  [&](const auto& h) { return h.place == verified.place; });
+  if (known == hypotheses.end())
+    hypotheses.push_back(verified);
+  else
+    known->inliers = verified.inliers;
+}
+
 types::Features inPlaceFrame(types::Features view, const Eigen::Matrix3d& R_place_view) {
   const Eigen::Matrix3f R = R_place_view.cast<float>();
   for (auto& bearing : view.bearings) bearing = (R * bearing).normalized();

@@ -3,6 +3,7 @@
 #include "engram/pipeline/recogniser.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace engram::pipeline {
@@ -21,6 +22,8 @@ belief::BeliefParams paramsFor(Recogniser::Mode mode, const PipelineParams& para
 
 Recogniser::Recogniser(const PipelineParams& params, Mode mode)
     : params_(params.recognise),
+      matching_(params.match),
+      verify_(params.verify),
       scorer_(makeScorer(params)),
       spacing_(params.place.spacing),
       filter_(paramsFor(mode, params), mode == Mode::kMapping) {
@@ -29,7 +32,7 @@ Recogniser::Recogniser(const PipelineParams& params, Mode mode)
 
 void Recogniser::load(const map::TopologicalMap& map) {
   for (const auto& [id, place] : map.places()) placeChanged(place);
-  edgesChanged(map);
+  graphChanged(map);
   restart();
 }
 
@@ -47,16 +50,17 @@ void Recogniser::placeChanged(const map::Place& place) {
     adjacency_.successor.push_back(-1);
     adjacency_.predecessor.push_back(-1);
     filter_.grow(ids_.size(), 0.0);
+    adjacency_.poses.clear();  // until graphChanged()
   }
   scorer_->placeChanged(static_cast<std::size_t>(index), place);
 }
 
-void Recogniser::edgesChanged(const map::TopologicalMap& map) {
+void Recogniser::graphChanged(const map::TopologicalMap& map) {
   std::vector<std::pair<int, int>> edges;
   double length = 0.0;
   int steps = 0;
   for (const auto& [id, edge] : map.edges()) {
-    if (edge.type == map::EdgeType::kWeak) continue;
+    if (!map::isPassage(edge.type)) continue;
     edges.emplace_back(indexOf(edge.a), indexOf(edge.b));
     if (edge.type != map::EdgeType::kOdometry) continue;
     length += edge.T_a_b.T_a_b.translation().norm();
@@ -64,44 +68,95 @@ void Recogniser::edgesChanged(const map::TopologicalMap& map) {
   }
   if (steps > 0) spacing_ = length / steps;
   adjacency_ = belief::Adjacency::fromEdges(ids_.size(), edges);
+  for (const auto& [id, place] : map.places()) {
+    const Eigen::Isometry3d& T = place.T_map_place;
+    adjacency_.poses.emplace_back(T(0, 3), T(1, 3), std::atan2(T(1, 0), T(0, 0)));
+  }
 }
 
 std::vector<double> Recogniser::similarities(const types::Features& view) const {
   return scorer_->scores(view);
 }
 
-std::vector<types::Hypothesis> Recogniser::recognise(const types::Features& view,
-                                                     std::optional<double> travelled,
+std::vector<types::Hypothesis> Recogniser::recognise(const map::TopologicalMap& map,
+                                                     const types::Features& view,
+                                                     const std::optional<Travel>& travel,
                                                      const std::set<base::PlaceId>& excluded) {
-  return ids_.empty() ? std::vector<types::Hypothesis>() : weigh(similarities(view), travelled, excluded);
+  matches_.clear();
+  if (ids_.empty()) return {};
+  std::vector<double> scores = similarities(view);
+  if (params_.verified_scores > 0) scores = verifiedScores(map, view, scores, excluded);
+  return weigh(scores, travel, excluded);
+}
+
+const PlaceMatch& Recogniser::match(const map::TopologicalMap& map, const types::Features& view,
+                                    base::PlaceId place) {
+  const auto [at, isNew] = matches_.try_emplace(place);
+  if (isNew) at->second = matchToPlace(view, map.place(place).memory, matching_, verify_);
+  return at->second;
+}
+
+/// F eq (8) with match() as F-06 has it, geometry included, for the places that descriptors put first.
+std::vector<double> Recogniser::verifiedScores(const map::TopologicalMap& map, const types::Features& view,
+                                               const std::vector<double>& scores,
+                                               const std::set<base::PlaceId>& excluded) {
+  std::vector<double> verified(scores.size(), 0.0);
+  for (const std::size_t i : largest(scores, static_cast<std::size_t>(params_.verified_scores), excluded))
+    verified[i] = match(map, view, ids_[i]).similarity;
+  return verified;
 }
 
 std::vector<types::Hypothesis> Recogniser::weigh(const std::vector<double>& scores,
-                                                 std::optional<double> travelled,
+                                                 const std::optional<Travel>& travel,
                                                  const std::set<base::PlaceId>& excluded) {
   if (ids_.empty()) return {};
   belief::MotionHint hint;
-  if (travelled) hint.hops = *travelled / spacing_;
+  if (travel) {
+    hint.hops = travel->distance / spacing_;
+    hint.odometry = belief::OdometryStep{travel->step, travel->heading, spacing_};
+  }
   filter_.predict(adjacency_, hint);
   filter_.update(likelihoodWithout(excluded, scores));
 
-  const std::vector<double>& posterior = filter_.posterior().places;
-  std::vector<int> order;
-  for (std::size_t i = 0; i < ids_.size(); ++i)
-    if (!excluded.count(ids_[i])) order.push_back(static_cast<int>(i));
+  lastScores_ = scores;
+  for (const auto id : excluded) lastScores_[static_cast<std::size_t>(indexOf(id))] = 0.0;
   const auto most = static_cast<std::size_t>(std::max(params_.candidates, params_.reported));
+  std::vector<types::Hypothesis> hypotheses;
+  for (const std::size_t i : largest(filter_.posterior().places, most, excluded))
+    hypotheses.push_back(hypothesis(i));
+  return hypotheses;
+}
+
+types::Hypothesis Recogniser::hypothesis(std::size_t i) const {
+  return {ids_[i], lastScores_[i], filter_.posterior().places[i], -1};
+}
+
+std::optional<types::Hypothesis> Recogniser::mostSimilar() const {
+  if (lastScores_.empty()) return std::nullopt;
+  const auto best = static_cast<std::size_t>(std::max_element(lastScores_.begin(), lastScores_.end()) -
+                                             lastScores_.begin());
+  if (lastScores_[best] <= 0) return std::nullopt;
+  return hypothesis(best);
+}
+
+/// Indices of the largest values, in order; of equal ones the earlier.
+std::vector<std::size_t> Recogniser::largest(const std::vector<double>& values, std::size_t most,
+                                             const std::set<base::PlaceId>& excluded) const {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < ids_.size(); ++i)
+    if (!excluded.count(ids_[i])) order.push_back(i);
   const std::size_t n = std::min(order.size(), most);
   std::partial_sort(
-      order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n), order.end(), [&](int a, int b) {
-        const double pa = posterior[static_cast<std::size_t>(a)], pb = posterior[static_cast<std::size_t>(b)];
-        return pa != pb ? pa > pb : a < b;
-      });
-  std::vector<types::Hypothesis> hypotheses;
-  for (std::size_t k = 0; k < n; ++k) {
-    const auto i = static_cast<std::size_t>(order[k]);
-    hypotheses.push_back({ids_[i], scores[i], posterior[i], -1});
-  }
-  return hypotheses;
+      order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n), order.end(),
+      [&](std::size_t a, std::size_t b) { return values[a] != values[b] ? values[a] > values[b] : a < b; });
+  order.resize(n);
+  return order;
+}
+
+void Recogniser::confirm(base::PlaceId place) {
+  std::vector<double> found(ids_.size(), 0.0);
+  found[static_cast<std::size_t>(indexOf(place))] = 1.0;
+  filter_.update(belief::likelihood(found, adjacency_, filter_.params()));
 }
 
 /// Places just made look like the image without being the answer: the new-place state stands for them. For

@@ -275,7 +275,7 @@ map::Edge decodeEdge(std::span<const std::uint8_t> row, std::uint64_t id) {
   map::Edge edge;
   edge.id = map::EdgeId(static_cast<std::uint32_t>(id));
   const auto type = in.get<std::uint8_t>();
-  if (type > static_cast<std::uint8_t>(map::EdgeType::kCompounded))
+  if (type > static_cast<std::uint8_t>(map::EdgeType::kDeadReckoning))
     throw base::Error("it is of an unknown type");
   edge.type = static_cast<map::EdgeType>(type);
   edge.a = map::PlaceId(in.get<std::uint32_t>());

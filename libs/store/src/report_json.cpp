@@ -75,6 +75,8 @@ FrameReport decode(const Json& j) {
     read(h, "inliers", out.inliers);
   }
   read(j, "closure", r.closure);
+  read(j, "closures_dropped", r.closuresDropped);
+  read(j, "closures_restored", r.closuresRestored);
   for (const Json& id : j.value("learnt", Json::array()))
     r.learnt.push_back(base::PlaceId(id.get<std::uint32_t>()));
   const Json m = j.value("memory", Json::object());
@@ -112,6 +114,8 @@ std::string toJson(const FrameReport& r, bool withTimes) {
                                {"posterior", rounded(h.posterior)},
                                {"inliers", h.inliers}});
   j["closure"] = r.closure;
+  j["closures_dropped"] = r.closuresDropped;
+  j["closures_restored"] = r.closuresRestored;
   j["learnt"] = Json::array();
   for (const auto id : r.learnt) j["learnt"].push_back(id.value);
   j["memory"] = memoryToJson(r.memory);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+
 #include <cstddef>
 #include <span>
 #include <utility>
@@ -9,11 +11,14 @@
 
 namespace engram::belief {
 
-/// Which places are next to which. A value: the map makes it, the filter reads it.
+/// Which places are next to which, and where they are. A value: the map makes it, the filter reads it.
 struct Adjacency {
   std::vector<std::vector<int>> neighbours;  ///< of each place, ascending, without itself; symmetric
   std::vector<int> successor;    ///< the place that was made next on the way; -1 where the chain ends
   std::vector<int> predecessor;  ///< the inverse of `successor`; -1 where the chain begins
+  /// x [m], y [m], heading [rad] of each place in the map, for `advance = odometry`; empty where the map has
+  /// no metric.
+  std::vector<Eigen::Vector3d> poses;
 
   std::size_t size() const { return neighbours.size(); }
 

@@ -5,8 +5,9 @@
 #include "engram/belief/adjacency.h"
 #include "engram/belief/belief_params.h"
 #include "engram/belief/likelihood.h"
+#include "engram/belief/motion_model.h"
 
-#include <optional>
+#include <memory>
 #include <vector>
 
 namespace engram::belief {
@@ -17,20 +18,13 @@ struct Belief {
   double newPlace = 0.0;  ///< always 0 without that state
 };
 
-/// What is known of the motion since the last image.
-struct MotionHint {
-  std::optional<double> hops;  ///< distance travelled over the mean distance of neighbouring places, >= 0
-};
-
 /// Discrete Bayes filter over the places of a map, F eq (5), (6); A eq (10).
 ///
 /// For each image: predict(), then update() once for each independent observation. Without the new-place
 /// state it localises in a frozen map; with it, it decides between the map and somewhere else.
 ///
-/// With `advance = learned` the state is the place and the last step along the chain of places. A step is
-/// like the one before, or drawn from a distribution of steps that is learnt as it goes: expected counts
-/// under the posterior, with forgetting (online EM). It begins symmetric, so a robot that never moves on, or
-/// backwards, is served as well.
+/// The motion model is chosen by `advance`. With `learned` the state is the place and the last step along the
+/// chain of places; with `odometry` it is the place and the rotation between odometry and map.
 class BayesFilter {
  public:
   /// Throws base::ConfigError naming the key.
@@ -64,29 +58,25 @@ class BayesFilter {
   /// one.
   double interpolatedPeak(const Adjacency& adjacency, int place) const;
 
-  /// Learnt probabilities of the steps from -advance_max to +advance_max; empty with `advance = none`.
-  const std::vector<double>& stepProbabilities() const { return steps_; }
-  /// Step k of them [places/image].
-  double stepSize(std::size_t k) const;
+  /// `advance = learned`: a step along the chain of places, and its learnt probability.
+  struct Step {
+    double size;  ///< [places/image]
+    double probability;
+  };
+  /// Ascending by size; empty with any other motion model.
+  std::vector<Step> learntSteps() const;
 
   const BeliefParams& params() const { return params_; }
 
  private:
-  using Layers = std::vector<std::vector<double>>;  ///< one vector over places for each step
-
-  void learnSteps();
-  Layers chooseSteps(const MotionHint& hint) const;
-  std::vector<double> moveAlong(const Adjacency& adjacency, const Layers& from, Layers& to) const;
-  void moveBlindly(const Adjacency& adjacency, const std::vector<double>& from, const MotionHint& hint,
-                   Layers& to) const;
   void spread(Layers& to, double mass) const;
   void setJoint(Layers joint, double newPlace);
 
   BeliefParams params_;
   bool hasNewPlace_;
   bool stepped_ = false;
-  std::vector<double> blindSteps_, steps_, learnt_;
-  Layers joint_;  ///< p(place, step); one layer when nothing is learnt
+  std::unique_ptr<MotionModel> motion_;
+  Layers joint_;  ///< p(place, layer of the motion model)
   Belief belief_;
 };
 

@@ -34,7 +34,8 @@ struct BeliefParams {
   double accept_threshold = 0.8;  ///< on the sum over the neighbourhood (A-19)
   int accept_hops = 2;            ///< size of that neighbourhood (A-E10: not given)
 
-  // Advance along the chain of places, learnt from the belief itself.
+  // Advance from image to image: along the chain of places, learnt from the belief itself; or as odometry
+  // reports it.
   std::string advance = "learned";
   int advance_max = 3;  ///< [places/image] largest step that is learnt, either way
   int advance_resolution =
@@ -42,6 +43,9 @@ struct BeliefParams {
   double advance_persistence = 0.9;  ///< probability that a step is like the one before
   double advance_blind = 0.1;        ///< share that moves by the Gaussian on hops all the same
   double advance_forgetting = 0.9;   ///< weight of the past in the learnt distribution, per image
+  int advance_headings = 16;         ///< rotations between odometry and map that are told apart
+  double view_sigma =
+      0.0;  ///< [rad] heading within which a place is recognised; 0: the camera sees all round
 
   void describe(base::Params& p);
 };

@@ -7,8 +7,11 @@
 
 namespace engram::map {
 
-/// The pose graph of the map, for the relaxers and for files: every place and every edge. Loop and
-/// recognition edges are robust. Weak edges take part with their large covariance, so that disjoint drives
+/// An edge as the relaxers see it. Loop and recognition edges are robust.
+posegraph::Constraint toConstraint(const Edge& edge);
+
+/// The pose graph of the map, for the relaxers and for files: every place and every edge. Weak
+/// edges take part with their large covariance, so that disjoint drives
 /// stay connected (K-11).
 posegraph::Graph toGraph(const TopologicalMap& map);
 

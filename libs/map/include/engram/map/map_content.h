@@ -66,9 +66,12 @@ enum class EdgeType : std::uint8_t {
   kRecognition,  ///< verified match between sessions
   kWeak,  ///< joins a disjoint sequence; its pose is a guess and no metric search goes through it (K-11,
           ///< K-E14)
-  kCompounded,  ///< replaces a chain of removed places (K-12)
+  kCompounded,     ///< replaces a chain of removed places (K-12)
+  kDeadReckoning,  ///< odometry over ground that the robot knew: metric, but its ends are no neighbours
 };
 
+/// Whether a robot at one end may be at the other next: the hops of the map are along these.
+bool isPassage(EdgeType type);
 const char* toString(EdgeType type);
 
 /// A relative pose between two places, with the features that it was found by.

@@ -77,10 +77,10 @@ class TopologicalMap {
 
   /// Places joined to this one by an edge, in the order of the edge ids.
   std::vector<Neighbour> neighbours(PlaceId id) const;
-  /// Number of edges to every place within `maxHops` of `from` (0 for itself). Weak edges do not count unless
-  /// asked.
-  std::map<PlaceId, int> hopDistances(PlaceId from, int maxHops, bool throughWeak = false) const;
-  /// Places that edges connect, weak ones included: ascending groups, ordered by their first place.
+  /// Number of edges to every place within `maxHops` of `from` (0 for itself). Edges that are no
+  /// passage do not count unless asked.
+  std::map<PlaceId, int> hopDistances(PlaceId from, int maxHops, bool throughAll = false) const;
+  /// Places that edges connect, of whatever type: ascending groups, ordered by their first place.
   std::vector<std::vector<PlaceId>> components() const;
 
   /// Throws base::Error with the first broken rule.

@@ -9,6 +9,13 @@
 
 namespace engram::pipeline {
 
+/// What the wheels counted from one keyframe to the next.
+struct Travel {
+  double distance = 0.0;                           ///< along the way [m]
+  Eigen::Vector2d step = Eigen::Vector2d::Zero();  ///< from keyframe to keyframe, in the odometry frame [m]
+  double heading = 0.0;                            ///< of the robot now, in that frame [rad]
+};
+
 /// Move: relative motion by odometry, with covariance. It integrates from an anchor, the place where the
 /// robot was last certain to be.
 class DeadReckoning {
@@ -28,13 +35,15 @@ class DeadReckoning {
   void markKeyframe();
   /// Whether there is odometry now and was at markKeyframe().
   bool known() const { return present_ && presentAtKeyframe_; }
+  /// The motion since markKeyframe(), when it is known.
+  std::optional<Travel> travel() const;
   /// Distance [m] and rotation [rad] since markKeyframe().
   double distance() const { return distance_; }
   double rotation() const { return rotation_; }
 
  private:
   OdometryParams params_;
-  std::optional<Eigen::Isometry3d> T_odom_last_;
+  std::optional<Eigen::Isometry3d> T_odom_last_, T_odom_keyframe_;
   types::RelPose T_anchor_robot_;
   double distance_ = 0.0, rotation_ = 0.0;
   bool present_ = false, presentAtAnchor_ = false, presentAtKeyframe_ = false;  // odometry

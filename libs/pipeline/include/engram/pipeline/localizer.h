@@ -53,6 +53,7 @@ class Localizer {
   void move(Work& work);
   void recognise(Work& work);
   void verify(Work& work);
+  bool tryPlace(Work& work, types::Hypothesis& hypothesis, int inliers);
   void follow(Work& work);
   void remember(Work& work);
   void learnDistant(types::FrameReport& report);
@@ -65,13 +66,13 @@ class Localizer {
   std::unique_ptr<memory::MemoryModel> memory_;
   PassGate gate_;
   Recogniser recogniser_;
-  DeadReckoning reckoning_;     // from the place accepted last
-  base::PlaceId last_;          // that place
-  double sinceLast_ = 0.0;      // [m] travelled since
-  bool restarted_ = false;      // since the last image
-  double sinceLearning_ = 0.0;  // [m] travelled since a place last learnt
+  DeadReckoning reckoning_;      // from the place accepted last
+  base::PlaceId last_;           // that place
+  double sinceLast_ = 0.0;       // [m] travelled since
+  bool restarted_ = false;       // since the last image
+  double sinceLearning_ = 0.0;   // [m] travelled since a place last learnt
   std::vector<Lesson> lessons_;  // in the order of their images
-  int agreeing_ = 0;            // accepted images in a row that agree with the motion between them
+  int agreeing_ = 0;             // accepted images in a row that agree with the motion between them
   map::TopologicalMap map_;
   bool adapt_;
 };

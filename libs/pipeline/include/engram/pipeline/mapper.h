@@ -4,6 +4,7 @@
 
 #include "engram/map/topological_map.h"
 #include "engram/memory/place_memory.h"
+#include "engram/pipeline/closure_book.h"
 #include "engram/pipeline/dead_reckoning.h"
 #include "engram/pipeline/params.h"
 #include "engram/pipeline/pass_gate.h"
@@ -13,7 +14,6 @@
 #include "engram/types/frame.h"
 #include "engram/types/frame_report.h"
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -55,22 +55,34 @@ class Mapper {
   void relate(Work& work);
   void relax(Work& work);
 
+  bool verifyBelieved(Work& work);
+  bool verifySimilar(Work& work);
+  bool tryPlace(Work& work, base::PlaceId id, bool mayAccept = true);
+
   bool metric() const { return reckoning_.anchored() && anchor_.valid(); }
   bool isRecent(base::PlaceId place) const;
   Eigen::Isometry3d T_place_robot(base::PlaceId place) const;
   std::optional<std::pair<base::PlaceId, double>> nearestByOdometry() const;
   bool isClosure(base::PlaceId place) const;
-  bool closable(base::PlaceId place, const PlaceMatch& match) const;
   bool belongsTo(base::PlaceId place, const PlaceMatch& match) const;
+  types::RelPose atPlace(const Candidate& candidate) const;
+  map::Edge closureTo(const Work& work, const Candidate& candidate) const;
+  void refuse(Work& work, posegraph::ClosureReason reason) const;
+  map::EdgeType closureType(base::PlaceId to) const;
+  base::PlaceId cameFrom() const;
   void addPlace(Work& work);
+  void addEdges(const Work& work, base::PlaceId from, base::PlaceId place);
   types::RelPose motionFrom(const Work& work, base::PlaceId from) const;
   void addView(const Work& work, base::PlaceId place, int thumbnailWidth);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> correspondences(const PlaceMatch& match,
                                                                        base::PlaceId a,
                                                                        base::PlaceId b) const;
   void joinPlace(Work& work, const Candidate& candidate);
+  void applyJudgement(Work& work);
   void dropJoinedWeakEdges();
+  void relaxAround(base::PlaceId place);
   void relaxAll();
+  void apply(const posegraph::Relaxation& relaxed);
 
   PipelineParams params_;
   Perception perception_;
@@ -78,17 +90,19 @@ class Mapper {
   PassGate gate_;
   Recogniser recogniser_;
   std::unique_ptr<posegraph::Relaxer> relaxer_;
-  DeadReckoning reckoning_;
+  DeadReckoning reckoning_;  // from the anchor
+  DeadReckoning sinceMade_;  // from the place made last in this drive: wheels alone
+  ClosureBook closures_;
   map::TopologicalMap map_;
 
   int session_ = 0;
   base::PlaceId anchor_;            // where the robot was last certain to be; invalid at wake-up
-  std::set<base::PlaceId> recent_;  // places near the newest one, while the robot goes on from it
-  bool frontier_ = true;    // the robot has just made places and is not known to be back in older ones
-  double travelled_ = 0.0;  // [m] in this drive
-  std::map<base::PlaceId, double> lastVisit_;  // travelled_ when the robot was last there, in this drive
-  int misses_ = 0;                             // unrecognised images in a row in known territory
-  bool closedSinceRelax_ = false;
+  base::PlaceId made_;              // the place made last in this drive
+  base::EdgeId anchoredBy_;         // the closure that the anchor rests on; invalid when it rests on none
+  std::set<base::PlaceId> recent_;  // places made in a row, near the newest one, while the robot goes on
+  bool frontier_ = true;         // the robot has just made places and is not known to be back in older ones
+  int misses_ = 0;               // unrecognised images in a row in known territory
+  bool closedUnmetric_ = false;  // a closure without odometry waits for relaxation
   types::Features lastKeyframe_;
 };
 

@@ -42,11 +42,14 @@ struct PlaceParams {
 /// Section `[recognise]`.
 struct RecogniseParams {
   std::string scorer = "ltm_match";  ///< what scores the places: see makeScorer()
-  int rescore = 30;          ///< tfidf_incremental: places that are matched by descriptors; 0: words alone
-  int candidates = 5;        ///< hypotheses that go to geometric verification, best first
-  int reported = 5;          ///< hypotheses that are in the record of an image, best first
+  int rescore = 30;  ///< tfidf_incremental: places that are matched by descriptors; 0: words alone
+  int verified_scores =
+      0;               ///< best places whose score counts verified matches alone; 0: scores by descriptors
+  int candidates = 5;  ///< hypotheses that go to geometric verification, best first
+  int reported = 5;    ///< hypotheses that are in the record of an image, best first
   int accept_inliers = 20;   ///< verified matches that acceptance needs
   int closure_inliers = 30;  ///< the same for a loop closure: K-15 saw no false one from 30 on
+  int sure_inliers = 0;  ///< so many verified matches need no belief (K-15, K-21); 0: belief always decides
   double closure_similarity =
       0.35;  ///< new_place_similarity while mapping: what unlike places of a building share
   double accept_similarity = 0.2;  ///< F eq (8) with verified matches that acceptance needs

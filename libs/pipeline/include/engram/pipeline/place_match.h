@@ -40,6 +40,9 @@ bool strongEnough(const PlaceMatch& match, const RecogniseParams& params);
 std::span<types::Hypothesis> candidatesOf(std::vector<types::Hypothesis>& hypotheses,
                                           const RecogniseParams& params);
 
+/// Notes how many matches of a hypothesis were verified; one that is not among them is added.
+void noteInliers(std::vector<types::Hypothesis>& hypotheses, const types::Hypothesis& verified);
+
 /// F eq (8) as F-E11 simplifies it: sqrt(matches / features of the reference); 0 for an empty reference.
 double similarity(int matches, int referenceFeatures);
 

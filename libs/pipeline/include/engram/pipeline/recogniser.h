@@ -4,10 +4,13 @@
 
 #include "engram/belief/bayes_filter.h"
 #include "engram/map/topological_map.h"
+#include "engram/pipeline/dead_reckoning.h"
 #include "engram/pipeline/params.h"
+#include "engram/pipeline/place_match.h"
 #include "engram/pipeline/scorer.h"
 #include "engram/types/frame_report.h"
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -30,22 +33,31 @@ class Recogniser {
   void load(const map::TopologicalMap& map);
   /// A place was added, or its memory has changed.
   void placeChanged(const map::Place& place);
-  /// Edges were added or removed.
-  void edgesChanged(const map::TopologicalMap& map);
+  /// Edges were added or removed, or places have moved.
+  void graphChanged(const map::TopologicalMap& map);
 
-  /// Predicts by the motion model and weighs by this view. Hypotheses come best first, at most `candidates`
-  /// or `reported`, whichever is more.
-  /// @param excluded places that cannot be the answer: those just made.
-  /// @param travelled distance since the last call [m]; none when unknown.
-  std::vector<types::Hypothesis> recognise(const types::Features& view, std::optional<double> travelled,
+  /// Predicts by the motion model and weighs by this view. Hypotheses come by their posterior, at most
+  /// `candidates` or `reported`, whichever is more.
+  /// @param map the one that this recogniser was told of. @param excluded places that cannot be the answer:
+  /// those just made.
+  /// @param travel the motion since the last call; none when unknown
+  std::vector<types::Hypothesis> recognise(const map::TopologicalMap& map, const types::Features& view,
+                                           const std::optional<Travel>& travel,
                                            const std::set<base::PlaceId>& excluded = {});
 
   /// recognise() in its two halves. The score of each place in the order of its id, by descriptors alone.
   std::vector<double> similarities(const types::Features& view) const;
   /// @param scores one in [0, 1] for each place, in the order of its id; from similarities() or any other
   /// rule
-  std::vector<types::Hypothesis> weigh(const std::vector<double>& scores, std::optional<double> travelled,
+  std::vector<types::Hypothesis> weigh(const std::vector<double>& scores, const std::optional<Travel>& travel,
                                        const std::set<base::PlaceId>& excluded = {});
+  /// The last view held against a place; worked out once.
+  const PlaceMatch& match(const map::TopologicalMap& map, const types::Features& view, base::PlaceId place);
+  /// The place that the last view resembles most, whatever was believed before; none when it resembles none.
+  std::optional<types::Hypothesis> mostSimilar() const;
+  /// Geometry alone has found the robot at this place: the belief follows.
+  void confirm(base::PlaceId place);
+
   /// The belief becomes uniform again.
   void restart() { filter_.reset(ids_.size()); }
 
@@ -58,15 +70,25 @@ class Recogniser {
 
  private:
   int indexOf(base::PlaceId id) const;
+  types::Hypothesis hypothesis(std::size_t index) const;
+  std::vector<std::size_t> largest(const std::vector<double>& values, std::size_t most,
+                                   const std::set<base::PlaceId>& excluded) const;
+  std::vector<double> verifiedScores(const map::TopologicalMap& map, const types::Features& view,
+                                     const std::vector<double>& scores,
+                                     const std::set<base::PlaceId>& excluded);
   belief::Likelihood likelihoodWithout(const std::set<base::PlaceId>& excluded,
                                        std::vector<double> scores) const;
 
   RecogniseParams params_;
+  features::MatchParams matching_;
+  geometry::VerifyParams verify_;
   std::unique_ptr<Scorer> scorer_;
   double spacing_;  // mean distance of neighbouring places [m]
   belief::BayesFilter filter_;
   belief::Adjacency adjacency_;
-  std::vector<base::PlaceId> ids_;  // ascending; index in the filter and in the scorer
+  std::vector<double> lastScores_;               // of the last view; 0 for excluded places
+  std::map<base::PlaceId, PlaceMatch> matches_;  // of the last view
+  std::vector<base::PlaceId> ids_;               // ascending; index in the filter and in the scorer
 };
 
 }  // namespace engram::pipeline
