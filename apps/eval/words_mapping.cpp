@@ -24,13 +24,16 @@ Trajectory pathAt(const map::TopologicalMap& map, const Poses& poses) {
   return path;
 }
 
-/// The places as they were entered: each where odometry put it, seen from the place before it.
+/// The places as they were entered: each where odometry put it, seen from a place before it. One that no
+/// odometry leads to is put where the rest of the graph says.
 Poses asEntered(const posegraph::Graph& graph) {
   posegraph::Graph tree;
   if (graph.poses.empty()) return {};
   tree.poses.insert(*graph.poses.begin());
   for (const auto& c : graph.constraints)
     if (!c.robust) tree.constraints.push_back(c);
+  posegraph::addMissingPoses(tree);
+  tree.constraints = graph.constraints;
   posegraph::addMissingPoses(tree);
   return tree.poses;
 }
@@ -66,6 +69,7 @@ class MappingExperiment {
     mapper_.finish();
     run.cpuSeconds += threadSeconds() - start;
     run.places = static_cast<int>(mapper_.map().places().size());
+    for (std::size_t k = 0; k < edges_.size(); ++k) run.closures[k].kept = holds(edges_[k]);
   }
 
   const map::TopologicalMap& map() const { return mapper_.map(); }
@@ -77,6 +81,7 @@ class MappingExperiment {
     const types::FrameReport report = mapper_.process(frame);
     run.cpuSeconds += threadSeconds() - start;
     ++run.frames;
+    run.restored += report.closuresRestored;
     if (report.outcome == types::Outcome::kSkipped || report.outcome == types::Outcome::kUnusable) return;
     ++run.images;
     odometry_.push_back({frame.stamp, *frame.T_odom_robot});
@@ -84,7 +89,30 @@ class MappingExperiment {
     const ClosureRecord record = judge(frame, report.place);
     ++run.recognised;
     run.recognisedWrong += !record.right;
-    if (report.closure) run.closures.push_back(record);
+    if (!report.closure) return;
+    run.closures.push_back(record);
+    edges_.push_back(newestLoopAt(report.place));
+  }
+
+  using Ends = std::pair<base::PlaceId, base::PlaceId>;
+
+  static bool closes(const map::Edge& edge) {
+    return edge.type == map::EdgeType::kLoop || edge.type == map::EdgeType::kRecognition;
+  }
+
+  Ends newestLoopAt(base::PlaceId place) const {
+    Ends ends;
+    for (const auto& [id, edge] : mapper_.map().edges())
+      if (closes(edge) && edge.b == place) ends = {edge.a, edge.b};
+    return ends;
+  }
+
+  /// An edge that was dropped and came back has another id.
+  bool holds(const Ends& ends) const {
+    const auto& edges = mapper_.map().edges();
+    return std::any_of(edges.begin(), edges.end(), [&](const auto& e) {
+      return closes(e.second) && Ends{e.second.a, e.second.b} == ends;
+    });
   }
 
   ClosureRecord judge(const types::Frame& frame, base::PlaceId id) const {
@@ -106,6 +134,7 @@ class MappingExperiment {
   pipeline::Mapper mapper_;
   double rightWithin_;
   Trajectory odometry_;
+  std::vector<Ends> edges_;  // of the closures
 };
 
 /// The map as it was entered, relaxed once by each relaxer.
@@ -137,7 +166,12 @@ const std::vector<std::string>& comparedRelaxers() {
 
 int MappingRun::closuresThatAre(bool right) const {
   return static_cast<int>(std::count_if(closures.begin(), closures.end(),
-                                        [&](const ClosureRecord& c) { return c.right == right; }));
+                                        [&](const ClosureRecord& c) { return c.kept && c.right == right; }));
+}
+
+int MappingRun::dropped() const {
+  return static_cast<int>(
+      std::count_if(closures.begin(), closures.end(), [](const ClosureRecord& c) { return !c.kept; }));
 }
 
 MappingRun mapDrive(const std::string& building, const KeptDrive& drive,

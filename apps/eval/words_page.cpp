@@ -89,11 +89,13 @@ void addPaths(Page& page, const WordsWorldResult& result, const WordsPlan& plan)
     page.endRow();
     exporters::Table table;
     table.caption = "All closures of " + run.building;
-    table.header = {"image", "place", "made by image", "true distance [m]", "turn [deg]", "right"};
+    table.header = {"image",      "place", "made by image", "true distance [m]",
+                    "turn [deg]", "right", "in the map"};
     for (const auto& c : run.closures)
       table.rows.push_back({Cell(static_cast<double>(c.image), 0), Cell(static_cast<double>(c.place), 0),
                             Cell(static_cast<double>(c.placeImage), 0), Cell(c.distance, 2),
-                            Cell(c.turn * 180 / M_PI, 0), c.right ? "yes" : "no"});
+                            Cell(c.turn * 180 / M_PI, 0), c.right ? "yes" : "no",
+                            c.kept ? "yes" : "dropped"});
     page.table(table);
   }
 }

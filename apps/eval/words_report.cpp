@@ -38,7 +38,8 @@ json toJson(const MappingRun& run) {
                         {"place_image", c.placeImage},
                         {"distance_m", c.distance},
                         {"turn_deg", c.turn * 180 / M_PI},
-                        {"right", c.right}});
+                        {"right", c.right},
+                        {"kept", c.kept}});
   return {{"building", run.building},
           {"length_m", run.length},
           {"images", run.images},
@@ -47,6 +48,8 @@ json toJson(const MappingRun& run) {
           {"recognised_wrong", run.recognisedWrong},
           {"true_closures", run.closuresThatAre(true)},
           {"false_closures", run.closuresThatAre(false)},
+          {"dropped_closures", run.dropped()},
+          {"restored_closures", run.restored},
           {"closures", closures},
           {"ate_odometry_m", run.ateOdometry},
           {"ate_before_m", run.ateBefore},
@@ -136,13 +139,13 @@ std::string mappingCsv(const WordsWorldResult& result) {
 }
 
 std::string closuresCsv(const WordsWorldResult& result) {
-  std::string csv = "building,image,place,place_image,distance_m,turn_deg,right\n";
+  std::string csv = "building,image,place,place_image,distance_m,turn_deg,right,kept\n";
   for (const auto& run : result.mapping)
     for (const auto& c : run.closures)
-      csv += line("%s,%llu,%u,%llu,%.3f,%.1f,%d\n", run.building.c_str(),
+      csv += line("%s,%llu,%u,%llu,%.3f,%.1f,%d,%d\n", run.building.c_str(),
                   static_cast<unsigned long long>(c.image), c.place,
                   static_cast<unsigned long long>(c.placeImage), c.distance, c.turn * 180 / M_PI,
-                  c.right ? 1 : 0);
+                  c.right ? 1 : 0, c.kept ? 1 : 0);
   return csv;
 }
 

@@ -43,8 +43,8 @@ void readRun(const std::string& path, Take take) {
 void writeRun(const std::string& path, const MappingRun& run) {
   json closures = json::array(), after = json::object();
   for (const auto& c : run.closures)
-    closures.push_back(
-        {c.image, c.place, c.placeImage, c.distance, c.turn, c.right, c.position.x(), c.position.y()});
+    closures.push_back({c.image, c.place, c.placeImage, c.distance, c.turn, c.right, c.kept, c.position.x(),
+                        c.position.y()});
   for (const auto& [name, result] : run.after)
     after[name] = {{"ate", result.ate ? json(*result.ate) : json(nullptr)}, {"cpu", result.cpuSeconds}};
   const json file{{"building", run.building},
@@ -56,6 +56,7 @@ void writeRun(const std::string& path, const MappingRun& run) {
                   {"recognised", run.recognised},
                   {"recognised_wrong", run.recognisedWrong},
                   {"closures", closures},
+                  {"restored", run.restored},
                   {"ate_odometry", run.ateOdometry},
                   {"ate_before", run.ateBefore},
                   {"ate_map", run.ateMap},
@@ -81,7 +82,8 @@ MappingRun readMappingRun(const std::string& path) {
     file.at("recognised_wrong").get_to(run.recognisedWrong);
     for (const json& c : file.at("closures"))
       run.closures.push_back(
-          {c.at(0), c.at(1), c.at(2), c.at(3), c.at(4), c.at(5), Eigen::Vector2d(c.at(6), c.at(7))});
+          {c.at(0), c.at(1), c.at(2), c.at(3), c.at(4), c.at(5), c.at(6), Eigen::Vector2d(c.at(7), c.at(8))});
+    file.at("restored").get_to(run.restored);
     file.at("ate_odometry").get_to(run.ateOdometry);
     file.at("ate_before").get_to(run.ateBefore);
     file.at("ate_map").get_to(run.ateMap);

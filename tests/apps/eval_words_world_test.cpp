@@ -229,6 +229,7 @@ TEST_F(WordsWorldTest, ClosuresAreJudgedByTheTruth) {
     const auto& place = truth.at(c.at("place_image").get<std::size_t>()).T_world_body.translation();
     EXPECT_NEAR(c.at("distance_m").get<double>(), (robot - place).norm(), 1e-6);
     EXPECT_EQ(c.at("right").get<bool>(), (robot - place).norm() <= 1.5);
+    EXPECT_TRUE(c.at("kept").get<bool>());
     EXPECT_GT(c.at("image").get<int>(), c.at("place_image").get<int>());
   }
 }
