@@ -47,7 +47,9 @@ TEST(Street, SeesTheSkyOverTheHouses) {
     const Hit hit = scene.trace(o, {0, 1, slope});
     const float z = 1.0f + 4.0f * slope;  // where it reaches the wall
     EXPECT_EQ(hit.kind, z < 8 ? Hit::Kind::kWall : Hit::Kind::kOutside) << slope;
-    if (z < 8) EXPECT_NEAR(hit.t, 4.0f, 1e-3f);
+    if (z < 8) {
+      EXPECT_NEAR(hit.t, 4.0f, 1e-3f);
+    }
   }
 }
 
