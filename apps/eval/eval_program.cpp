@@ -16,7 +16,8 @@ std::string EvalProgram::examples() const {
          "  engram-eval images --config config/fsh_mono.ini --reference day_left --query day_right "
          "--truth truth.csv --out gardens\n"
          "  engram-eval tours --out tours --json tours.json\n"
-         "  engram-eval words --images walk --truth truth.csv --out words --json words.json\n";
+         "  engram-eval words --images walk --truth truth.csv --out loops --json loops.json\n"
+         "  engram-eval words --out words --json words.json\n";
 }
 
 void EvalProgram::declare(CLI::App& app) {
@@ -28,7 +29,10 @@ void EvalProgram::declare(CLI::App& app) {
   images_.declare(*imagesApp_);
   toursApp_ = app.add_subcommand("tours", "Two months of tours: adaptive memories against a static one");
   tours_.declare(*toursApp_);
-  wordsApp_ = app.add_subcommand("words", "Loop closures by visual words, on images with ground truth");
+  wordsApp_ = app.add_subcommand(
+      "words",
+      "Maps and localisation by visual words and odometry, on the simulator; or, with --images, "
+      "loop closures on images with ground truth");
   words_.declare(*wordsApp_);
 }
 
