@@ -45,6 +45,8 @@ pipeline::PipelineParams wordsOdometry() {
   p.camera.image_width = 0;
   p.select.min_distance = 0.5;
   p.place.spacing = 0.5;
+  p.belief.advance = "odometry";
+  p.belief.view_sigma = 30 * M_PI / 180;
   return p;
 }
 

@@ -42,8 +42,19 @@ const std::vector<Transition>& transitions() {
       {"blind",
        "Gaussian over the number of edges, neighbours before the place itself (A-16); no odometry",
        false,
-       {"belief.advance=none", "belief.expected_hops=1"}},
-      {"odometry", "as configured, with odometry", true, {}},
+       {"belief.advance=none", "belief.expected_hops=1", "recognise.sure_inliers=0"}},
+      {"distance",
+       "the same, with the distance that odometry reports, not its direction",
+       true,
+       {"belief.advance=none", "recognise.sure_inliers=0"}},
+      {"odometry",
+       "the belief moves in the direction and over the distance that odometry reports (A-25)",
+       true,
+       {"belief.advance=odometry", "recognise.sure_inliers=0"}},
+      {"configured",
+       "as configured: by default, the same, and a place with enough verified matches needs no belief",
+       true,
+       {}},
   };
   return all;
 }

@@ -94,7 +94,10 @@ class DenseOdometry {
         const double angle =
             heading_ + kTurn * static_cast<double>(k) / p_.advance_headings - a_.poses[i].z();
         const double apart = std::atan2(std::sin(angle), std::cos(angle));
-        seen = std::exp(-0.5 * std::pow(apart / p_.view_sigma, 2));
+        double mean = 0;
+        for (int degree = -180; degree < 180; ++degree)
+          mean += std::exp(-0.5 * std::pow((degree + 0.5) * kTurn / 360 / p_.view_sigma, 2)) / 360;
+        seen = std::exp(-0.5 * std::pow(apart / p_.view_sigma, 2)) / mean;
       }
       total += belief_[s] *= p_.floor + seen * (l.places[i] - p_.floor);
     }

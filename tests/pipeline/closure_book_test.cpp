@@ -77,12 +77,14 @@ class Laps : public ::testing::Test {
             .correspondences = {}};
   }
 
-  /// Root mean square distance to the truth, which begins where the map does [m].
+  /// Root mean square distance between the places of the first half of a lap and those of the second lap,
+  /// which are the same in truth [m]. The closures of these tests are there.
   double error() const {
     double sum = 0;
-    for (std::uint32_t i = 0; i < truth_.size(); ++i)
-      sum += (map_.place(p(i)).T_map_place.translation() - truth_[i].translation()).squaredNorm();
-    return std::sqrt(sum / static_cast<double>(truth_.size()));
+    for (std::uint32_t i = 0; i < kLap / 2; ++i)
+      sum += (map_.place(p(i)).T_map_place.translation() - map_.place(p(kLap + i)).T_map_place.translation())
+                 .squaredNorm();
+    return std::sqrt(sum / (kLap / 2));
   }
 
   std::size_t loops() const {
@@ -110,7 +112,8 @@ TEST_F(Laps, TrueClosuresEnterAndStraightenTheMap) {
   }
   EXPECT_EQ(loops(), 20u);
   EXPECT_EQ(refused, restored) << "one that had to wait for others comes in with them";
-  EXPECT_LT(error(), 0.4 * before);
+  EXPECT_GT(before, 0.5);
+  EXPECT_LT(error(), 0.15);
   map_.checkInvariants();
 }
 

@@ -24,6 +24,7 @@ TEST(ReportJson, HasTheDocumentedKeys) {
       R"("best_guess_interpolated":3.4,"new_place_probability":0.1,"hypotheses":[)"
       R"({"place":3,"similarity":0.8,"posterior":0.7,"inliers":120},)"
       R"({"place":4,"similarity":0.3,"posterior":0.1,"inliers":-1}],"closure":true,)"
+      R"("closures_dropped":1,"closures_restored":2,)"
       R"("learnt":[3,9],)"
       R"("memory":{"rehearsed":1,"added":2,"pruned":3,"promoted":4,"demoted":5,"long_term":6,"short_term":7},)"
       R"("times":{"perceive":5.5,"recognise":1.25},"ms":8.5})");

@@ -61,6 +61,8 @@ inline types::FrameReport sampleReport() {
   r.newPlaceProbability = 0.1;
   r.hypotheses = {{base::PlaceId(3), 0.8, 0.7, 120}, {base::PlaceId(4), 0.3, 0.1, -1}};
   r.closure = true;
+  r.closuresDropped = 1;
+  r.closuresRestored = 2;
   r.learnt = {base::PlaceId(3), base::PlaceId(9)};
   r.memory = {1, 2, 3, 4, 5, 6, 7};
   r.times = {{"perceive", 5.5}, {"recognise", 1.25}};

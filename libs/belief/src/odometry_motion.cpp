@@ -130,7 +130,10 @@ void OdometryMotion::move(const Adjacency& adjacency, const Layers& from, const 
 double OdometryMotion::visible(std::size_t layer, std::size_t place) const {
   if (params_.view_sigma <= 0 || place >= headings_.size()) return 1.0;
   const double apart = std::remainder(heading_ + rotation(layer) - headings_[place], 2 * kPi);
-  return gaussian(apart, params_.view_sigma);
+  // The score of a place says nothing of headings: over all of them, the evidence is what the score says.
+  const double sigma = params_.view_sigma;
+  const double mean = sigma / std::sqrt(2 * kPi) * std::erf(kPi / (sigma * std::sqrt(2.0)));
+  return gaussian(apart, sigma) / mean;
 }
 
 }  // namespace engram::belief
