@@ -5,6 +5,8 @@
 namespace engram::capture {
 
 void GigeParams::describe(base::Params& p) {
+  p.addChoice("driver", driver, "marks the section as a camera, for MRPT's rawlog-grabber too",
+              {kGigeDriver});
   p.add("camera", camera, "id or address of the camera (engram-capture list); empty: the only one there is");
   p.add("right_camera", right_camera, "the same of the right camera of a stereo pair; empty: one camera");
   p.add("sensor_label", sensor_label, "label of the images in a rawlog");
@@ -32,7 +34,8 @@ void GigeParams::describe(base::Params& p) {
   p.add("socket_buffer_mb", socket_buffer_mb,
         "buffer of the socket [MB]; the system allows no more than net.core.rmem_max", {0.1, 1024});
   p.add("buffers", buffers, "images being received at most", {2, 1000});
-  p.add("queue", queue, "received images that may wait to be processed", {1, 1000});
+  p.add("queue", queue, "received images that may wait to be processed; 0: 2 for live work, 32 for recording",
+        {0, 1000});
   p.addChoice(
       "when_full", when_full,
       "what a full queue does with the next image; auto: drop_oldest for live work, block for recording",
@@ -51,6 +54,11 @@ void GigeParams::describe(base::Params& p) {
   p.add("odometry_wait_ms", odometry_wait_ms, "longest wait for odometry that is later than the image [ms]",
         {0, 10000});
   p.add("odometry_hold", odometry_hold, "time that the last odometry stands for later images [s]", {0, 3600});
+  p.add("process_rate", process_rate, "for rawlog-grabber alone: how often it looks for images [Hz]",
+        {0.01, 10000});
+  p.add("max_queue_len", max_queue_len, "for rawlog-grabber alone: longest queue of images", {1, 100000});
+  p.add("grab_decimation", grab_decimation, "for rawlog-grabber alone: one of so many images is taken",
+        {0, 100000});
 }
 
 }  // namespace engram::capture

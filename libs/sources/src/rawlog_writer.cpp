@@ -110,6 +110,7 @@ class RawlogWriter::Impl {
     if (!out_) return;
     writeWhole([&] { out_->finish(); });
     framesSafe_ = frames_;
+    finalBytes_ = out_->size();
     out_.reset();
     if (params_.live) return;
     std::error_code status;
@@ -124,7 +125,7 @@ class RawlogWriter::Impl {
 
   std::size_t frames() const { return frames_; }
   std::size_t framesSafe() const { return framesSafe_; }
-  std::uint64_t bytes() const { return (out_ ? out_->size() : 0) + externalBytes_; }
+  std::uint64_t bytes() const { return (out_ ? out_->size() : finalBytes_) + externalBytes_; }
 
  private:
   /// An image as it was written.
@@ -240,7 +241,7 @@ class RawlogWriter::Impl {
   std::string part_, folder_, folderPart_;
   std::unique_ptr<GzArchive> out_;
   std::size_t frames_ = 0, framesSafe_ = 0;
-  std::uint64_t externalBytes_ = 0;
+  std::uint64_t finalBytes_ = 0, externalBytes_ = 0;
   bool empty_ = true;  // nothing was ever written
   std::string label_;  // of the frame being written
   Written left_, right_;

@@ -10,8 +10,12 @@
 
 namespace engram::capture {
 
+/// The class of our plug-in for MRPT's rawlog-grabber.
+inline constexpr const char* kGigeDriver = "EngramGigECamera";
+
 /// The section of a live camera. Zero or empty keeps what the camera has.
 struct GigeParams {
+  std::string driver = kGigeDriver;
   std::string camera;
   std::string right_camera;
   std::string sensor_label = "CAMERA";
@@ -27,7 +31,7 @@ struct GigeParams {
   bool resend = true;
   double socket_buffer_mb = 16.0;
   int buffers = 16;
-  int queue = 2;
+  int queue = 0;
   std::string when_full = "auto";
   double stereo_tolerance_ms = 5.0;
   double silence_s = 2.0;
@@ -35,6 +39,8 @@ struct GigeParams {
   std::string odometry;
   double odometry_wait_ms = 100.0;
   double odometry_hold = 1.0;
+  double process_rate = 50.0;
+  int max_queue_len = 200, grab_decimation = 0;
 
   /// Any GenICam features by name, set after all others and in this order; from the section
   /// `<name>.features`.
