@@ -86,7 +86,7 @@ GigeCamera::GigeCamera(const GigeParams& params, const std::string& id) {
 
 GigeCamera::~GigeCamera() {
   GErrorBox ignored;
-  if (stream_ && !controlLost_) arv_camera_stop_acquisition(camera_.get(), ignored.out());
+  if (stream_ && !controlLost_ && !abandoned_) arv_camera_stop_acquisition(camera_.get(), ignored.out());
   if (controlLostHandler_ != 0) g_signal_handler_disconnect(device_, controlLostHandler_);
 }
 
@@ -119,6 +119,7 @@ void GigeCamera::check(const GErrorBox& error, const std::string& key, const std
 void GigeCamera::configure(const GigeParams& params) {
   ArvCamera* camera = camera_.get();
   GErrorBox error;
+  arv_camera_stop_acquisition(camera, error.out());  // another program may have left it running
   arv_camera_set_range_check_policy(camera, ARV_RANGE_CHECK_POLICY_ENABLE);
   configureRegion(params);
   if (!params.pixel_format.empty()) {

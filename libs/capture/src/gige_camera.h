@@ -39,6 +39,8 @@ class GigeCamera {
   Grabbed grab(std::chrono::microseconds patience);
 
   bool controlLost() const { return controlLost_; }
+  /// The camera does not answer: the destructor need not stop it, which would take seconds.
+  void abandon() { abandoned_ = true; }
   /// What the camera says of itself and how it is set.
   const CameraSettings& settings() const { return settings_; }
   /// Of this connection.
@@ -63,6 +65,7 @@ class GigeCamera {
   ArvDevice* device_ = nullptr;  // owned by camera_
   gulong controlLostHandler_ = 0;
   std::atomic<bool> controlLost_{false};
+  bool abandoned_ = false;
   CameraSettings settings_;
   std::chrono::steady_clock::duration triggerPeriod_{};  // 0: not our task
   std::chrono::steady_clock::time_point nextTrigger_;

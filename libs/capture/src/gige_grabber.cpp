@@ -160,6 +160,7 @@ void Keeper::drop(const std::string& why) {
   inGap_ = true;
   updatePackets();
   earlier_ = stats_.packets;
+  camera_->abandon();
   camera_.reset();
   watchdog_.lost(steadyNow());
 }
@@ -168,7 +169,7 @@ void Keeper::grabOne() {
   auto grabbed = camera_->grab(100ms);
   if (grabbed.kind == GigeCamera::Grabbed::Kind::kNothing) return updatePackets();
   const bool whole = grabbed.kind == GigeCamera::Grabbed::Kind::kWhole;
-  losses_.arrived(grabbed.number, whole);
+  whole ? void(losses_.whole(grabbed.number)) : losses_.incomplete();
   watchdog_.frame(steadyNow());  // an incomplete image is a sign of life as well
   Shot shot;
   if (whole) {
@@ -184,8 +185,8 @@ void Keeper::grabOne() {
 /// @param stamp of the last whole image
 void Keeper::updateStats(double stamp) {
   const std::lock_guard lock(mutex_);
-  stats_.whole = losses_.whole();
-  stats_.incomplete = losses_.incomplete();
+  stats_.whole = losses_.wholeFrames();
+  stats_.incomplete = losses_.incompleteFrames();
   stats_.missed = losses_.missed();
   stats_.clockDrift = clock_.drift();
   stats_.clockRestarts = clock_.restarts();

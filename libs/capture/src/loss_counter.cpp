@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/capture/loss_counter.h"
 
+#include <utility>
+
 namespace engram::capture {
 namespace {
 
@@ -17,13 +19,19 @@ std::uint64_t steps(std::uint64_t last, std::uint64_t number) {
 
 }  // namespace
 
-std::size_t LossCounter::arrived(std::uint64_t number, bool whole) {
-  ++(whole ? whole_ : incomplete_);
+std::size_t LossCounter::whole(std::uint64_t number) {
+  ++whole_;
   const std::uint64_t step = last_ ? steps(*last_, number) : 1;
   last_ = number;
-  if (step <= 1) return 0;
-  missed_ += step - 1;
-  return step - 1;
+  const std::size_t seen = std::exchange(incompleteSince_, 0);
+  if (step <= 1 + seen) return 0;
+  missed_ += step - 1 - seen;
+  return step - 1 - seen;
+}
+
+void LossCounter::incomplete() {
+  ++incomplete_;
+  ++incompleteSince_;
 }
 
 }  // namespace engram::capture

@@ -5,6 +5,7 @@
 #include "engram/base/error.h"
 
 #include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/core/exceptions.h>
 #include <mrpt/hwdrivers/CGenericSensor.h>
 #include <mrpt/hwdrivers/registerAllClasses.h>
 #include <mrpt/system/os.h>
@@ -35,6 +36,11 @@ std::string valueOf(const base::IniFile::Section& section, const std::string& ke
   return at == section.end() ? std::string() : at->second.text;
 }
 
+std::string reasonOf(const std::exception& e) {
+  const auto* mrptException = dynamic_cast<const mrpt::ExceptionWithCallBackBase*>(&e);
+  return firstLine(mrptException ? mrptException->originalWhat : e.what());
+}
+
 CGenericSensor::Ptr create(const std::string& name, const std::string& driver) {
   if (driver.empty()) throw base::Error("[" + name + "] driver is missing: the class of an MRPT sensor");
   mrpt::hwdrivers::registerAllClasses_mrpt_hwdrivers();
@@ -61,7 +67,7 @@ class SensorReader::Impl {
       sensor_->loadConfig(config, name);
       sensor_->initialize();
     } catch (const std::exception& e) {
-      throw base::Error("[" + name + "] the sensor does not start: " + firstLine(e.what()));
+      throw base::Error("[" + name + "] the sensor does not start: " + reasonOf(e));
     }
     if (!(sensor_->getProcessRate() > 0)) throw base::Error("[" + name + "] process_rate must be above 0 Hz");
     thread_ = std::thread([this] { run(); });
@@ -95,7 +101,7 @@ class SensorReader::Impl {
       }
     } catch (const std::exception& e) {
       const std::lock_guard lock(mutex_);
-      failure_ = "[" + name_ + "] the sensor has failed: " + firstLine(e.what());
+      failure_ = "[" + name_ + "] the sensor has failed: " + reasonOf(e);
     }
   }
 

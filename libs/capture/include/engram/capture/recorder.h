@@ -13,7 +13,7 @@
 namespace engram::capture {
 
 struct RecorderParams {
-  sources::RawlogWriterParams writer;
+  sources::RawlogWriterParams writer{};
   double rotate_mb = 0.0;  ///< a new file after so much [MB]; 0: never
   double rotate_s = 0.0;   ///< a new file after so long by the stamps of the images [s]; 0: never
   double flush_s = 0.5;    ///< a crash loses no more than this [s]
