@@ -199,7 +199,8 @@ void RecordCommand::passOn(Session& session, std::ostream& err) {
   for (const auto& notice : session.grabber->takeNotices()) {
     err << "engram-capture: " << notice << "\n" << std::flush;
     mrpt::obs::CObservationComment comment;
-    comment.text = "engram-capture: " + notice;
+    comment.sensorLabel = "ENGRAM_CAPTURE";
+    comment.text = notice;
     comment.timestamp = mrpt::Clock::now();
     session.recorder.addObject(comment);
   }

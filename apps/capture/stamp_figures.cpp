@@ -19,7 +19,8 @@ void printStamps(std::ostream& out, const capture::StampStatistics::Summary& s) 
       << s.rate << " per second; interval " << 1e3 * s.interval << " ms +- " << 1e3 * s.jitter
       << " (95 %: " << 1e3 * s.interval95 << ", max: " << 1e3 * s.longest << ")\n";
   if (s.gaps.empty()) return;
-  out << "  " << s.gaps.size() << " gaps, room for " << s.missing << " images; the longest:\n";
+  out << "  " << s.gaps.size() << (s.gaps.size() == 1 ? " gap" : " gaps") << ", room for " << s.missing
+      << " images" << (s.gaps.size() > kGapsShown ? "; the longest:\n" : ":\n");
   auto gaps = s.gaps;
   std::stable_sort(gaps.begin(), gaps.end(),
                    [](const auto& a, const auto& b) { return a.length > b.length; });
