@@ -36,7 +36,7 @@ struct Mapper::Work {
   std::vector<Candidate> candidates;  // verified or not, in the order they were tried
   std::optional<Candidate> accepted;  // the place where the robot is
   bool makesPlace = false;
-  bool judged = false;  // closures were judged: edges and poses of the map are to follow
+  bool judged = false;  // closures were judged: edges and poses of the map have followed
 };
 
 Mapper::Mapper(const PipelineParams& params, map::TopologicalMap map)
@@ -194,7 +194,7 @@ void Mapper::decide(Work& work) {
   auto& report = work.report;
   if (work.accepted && isClosure(work.accepted->first) && metric()) {
     const auto decision = closures_.propose(map_, closureTo(work, *work.accepted));
-    work.judged = true;
+    applyJudgement(work);
     if (!decision.accepted) refuse(work, decision.reason);
   }
   if (work.accepted) {
@@ -245,7 +245,6 @@ void Mapper::remember(Work& work) {
 
 void Mapper::relate(Work& work) {
   const StepTimer timer(work.report, "relate");
-  if (work.judged) applyJudgement(work);
   if (work.accepted) joinPlace(work, *work.accepted);
   if (!anchor_.valid()) return;
   map_.addPathPoint({session_, work.frame.stamp, anchor_,
@@ -408,6 +407,7 @@ void Mapper::joinPlace(Work& work, const Candidate& candidate) {
 /// goes back to what the wheels say since the place it made last.
 void Mapper::applyJudgement(Work& work) {
   const ClosureBook::Changes changes = closures_.apply(map_);
+  work.judged = true;
   work.report.closure = changes.proposed.valid();
   work.report.closuresDropped = static_cast<int>(changes.dropped.size());
   work.report.closuresRestored = changes.restored;

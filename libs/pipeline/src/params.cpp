@@ -68,8 +68,10 @@ void OdometryParams::describe(base::Params& p) {
   p.addDegrees("sigma_heading_per_metre_deg", sigma_heading_per_metre, "noise of the heading [deg per m]",
                {0, 90});
   p.add("sigma_heading_per_radian", sigma_heading_per_radian, "noise of the heading [rad per rad]", {0, 1});
-  p.add("max_drift", max_drift,
-        "drift that a loop closure may mend, of the way since the place was visited [m per m]", {0, 10});
+  p.add(
+      "max_drift", max_drift,
+      "localising: drift that two accepted places in a row may differ by, of the way between them [m per m]",
+      {0, 10});
   p.add("sigma_floor", sigma_floor, "least standard deviation of an edge [m and rad]", {1e-6, 10});
 }
 

@@ -66,7 +66,7 @@ struct OdometryParams {
   double sigma_heading_per_metre = 0.01;   ///< [rad/m]
   double sigma_heading_per_radian = 0.03;  ///< [rad/rad]
   double sigma_floor = 0.01;               ///< [m] and [rad]: no edge is stiffer
-  double max_drift = 0.1;  ///< [m/m] of the way since a place was visited: a closure over more is refused
+  double max_drift = 0.1;  ///< [m/m] localising: of the way between two accepted places; more is a leap
 
   void describe(base::Params& p);
 };
