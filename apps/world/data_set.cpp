@@ -8,6 +8,7 @@
 #include "engram/base/interrupt.h"
 #include "engram/base/parallel.h"
 #include "engram/base/progress.h"
+#include "engram/cameras/stereo_rig.h"
 #include "plan_picture.h"
 
 #include <nlohmann/json.hpp>
@@ -74,10 +75,8 @@ nlohmann::json describe(const world::Session& session, const std::string& name, 
 }
 
 // All names this call will write, so that nothing is begun when something is in the way.
-std::vector<std::string> targets(const world::Eyes& eyes, const DataSetOptions& o) {
-  std::vector<std::string> names{"world.json", "plan.png", "plan.txt"};
-  if (eyes.right) names.insert(names.end(), {"camera_left.ini", "camera_right.ini"});
-  names.push_back("camera.ini");
+std::vector<std::string> targets(const DataSetOptions& o) {
+  std::vector<std::string> names{"camera.ini", "world.json", "plan.png", "plan.txt"};
   for (int n = 1; n <= o.sessions + (o.testDrive ? 1 : 0); ++n) {
     char stem[32] = "test";
     if (n <= o.sessions) std::snprintf(stem, sizeof stem, "session_%02d", n);
@@ -87,12 +86,12 @@ std::vector<std::string> targets(const world::Eyes& eyes, const DataSetOptions& 
   return names;
 }
 
-void prepareFolder(const world::Eyes& eyes, const DataSetOptions& o) {
+void prepareFolder(const DataSetOptions& o) {
   std::error_code error;
   fs::create_directories(o.folder, error);
   if (error) throw base::Error(o.folder + ": cannot be made: " + error.message());
   if (o.overwrite) return;
-  for (const auto& name : targets(eyes, o))
+  for (const auto& name : targets(o))
     if (fs::exists(fs::path(o.folder) / name))
       throw base::Error((fs::path(o.folder) / name).string() +
                         ": exists already; choose another --out or add --overwrite");
@@ -105,8 +104,8 @@ class Maker {
 
   DataSetFigures run() {
     const auto start = std::chrono::steady_clock::now();
-    prepareFolder(eyes_, o_);
-    writeCameras();
+    prepareFolder(o_);
+    writeCamera();
     writePlan();
     const int all = o_.sessions + (o_.testDrive ? 1 : 0);
     for (int n = 1; n <= all && !figures_.stopped; ++n) {
@@ -123,11 +122,10 @@ class Maker {
  private:
   std::string file(const std::string& name) const { return (fs::path(o_.folder) / name).string(); }
 
-  void writeCameras() {
-    base::writeText(file("camera.ini"), cameras::toText(eyes_.left), true);
-    if (!eyes_.right) return;
-    base::writeText(file("camera_left.ini"), cameras::toText(eyes_.left), true);
-    base::writeText(file("camera_right.ini"), cameras::toText(*eyes_.right), true);
+  void writeCamera() {
+    const auto text = eyes_.right ? cameras::toText(cameras::StereoRig{eyes_.left, *eyes_.right})
+                                  : cameras::toText(eyes_.left);
+    base::writeText(file("camera.ini"), text, true);
   }
 
   void writePlan() {

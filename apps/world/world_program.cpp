@@ -5,6 +5,7 @@
 #include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
 #include "engram/base/error.h"
+#include "engram/cameras/stereo_rig.h"
 #include "plan_picture.h"
 
 #include <nlohmann/json.hpp>
@@ -105,7 +106,9 @@ world::Plan WorldProgram::plan() const {
 
 world::Eyes WorldProgram::eyes() const {
   if (camera_.size() < 5 || camera_.substr(camera_.size() - 4) != ".ini") return world::presetEyes(camera_);
-  return {camera_, cameras::loadCamera(camera_), {}};
+  if (!cameras::describesStereo(camera_)) return {camera_, cameras::loadCamera(camera_), {}};
+  auto [left, right] = cameras::loadStereoRig(camera_);
+  return {camera_, std::move(left), std::move(right)};
 }
 
 int WorldProgram::run(std::ostream& out, std::ostream& err) {

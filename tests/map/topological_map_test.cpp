@@ -169,6 +169,84 @@ TEST(TopologicalMap, ListsExactlyWhatChanged) {
   EXPECT_EQ(m.nextSession(), 2);
 }
 
+/// A place goes with all that is its own; the robot's path stays where it was.
+TEST(TopologicalMap, RemovedPlaceLeavesNothingBehind) {
+  auto m = ringMap(5);
+  const auto second = m.addView({.place = p(2), .label = "again"});
+  m.addPathPoint({.session = 1, .stamp = 9, .anchor = p(2), .T_anchor_robot = planarPose(0.3, -0.1, 0.4)});
+  m.takeChanges();
+  m.addPathPoint({.session = 1, .stamp = 10, .anchor = p(2), .T_anchor_robot = planarPose(0.1, 0, 0)});
+  EXPECT_THAT(m.viewsOf(p(2)), ElementsAre(ViewId(2), second));
+  std::vector<Eigen::Isometry3d> before;
+  for (const auto& point : m.path()) before.push_back(m.T_map_robot(point));
+
+  m.removePlace(p(2), p(3));
+  m.checkInvariants();
+  EXPECT_FALSE(m.places().contains(p(2)));
+  EXPECT_FALSE(m.views().contains(ViewId(2)));
+  EXPECT_FALSE(m.views().contains(second));
+  for (const auto& [id, edge] : m.edges()) EXPECT_TRUE(edge.a != p(2) && edge.b != p(2));
+  EXPECT_EQ(m.neighbours(p(3)).size(), 1u);
+  ASSERT_EQ(m.path().size(), before.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_NE(m.path()[i].anchor, p(2));
+    EXPECT_TRUE(m.T_map_robot(m.path()[i]).isApprox(before[i], 1e-12)) << i;
+  }
+  const auto changes = m.takeChanges();
+  EXPECT_THAT(changes.removedPlaces, ElementsAre(p(2)));
+  EXPECT_THAT(changes.removedViews, ElementsAre(ViewId(2), second));
+  EXPECT_THAT(changes.removedEdges, ElementsAre(EdgeId(1), EdgeId(2)));
+  EXPECT_THAT(changes.movedPathPoints, ElementsAre(2u, 5u));  // the third was new
+  EXPECT_EQ(changes.firstNewPathPoint, 6u);
+  EXPECT_THAT(changes.places, IsEmpty());
+
+  // The heir's own end takes all of it along, to the path point that it never had itself.
+  m.setPose(p(3), planarPose(1, 2, 3));
+  m.removePlace(p(3), p(0));
+  EXPECT_THAT(m.takeChanges().movedPathPoints, ElementsAre(2u, 3u, 5u, 6u));
+  EXPECT_EQ(m.addPlace({}), p(5));
+  m.checkInvariants();
+}
+
+TEST(TopologicalMap, RefusesToRemoveWithoutAnHeir) {
+  auto m = ringMap(3);
+  EXPECT_THAT(messageOf([&] { m.removePlace(p(1), p(1)); }), HasSubstr("its own heir"));
+  EXPECT_THAT(messageOf([&] { m.removePlace(p(1), p(7)); }), HasSubstr("no place 7"));
+  EXPECT_THAT(messageOf([&] { m.removePlace(p(8), p(1)); }), HasSubstr("no place 8"));
+  EXPECT_EQ(m.places().size(), 3u);
+  EXPECT_EQ(m.edges().size(), 3u);
+}
+
+TEST(TopologicalMap, ListsNothingOfAPlaceThatCameAndWent) {
+  auto m = ringMap(3);
+  m.takeChanges();
+  const auto brief = m.addPlace({});
+  m.addView({.place = brief});
+  m.addEdge(validEdge(0, brief.value));
+  m.removePlace(brief, p(0));
+  const auto changes = m.takeChanges();
+  EXPECT_THAT(changes.places, IsEmpty());
+  EXPECT_THAT(changes.memories, IsEmpty());
+  EXPECT_THAT(changes.views, IsEmpty());
+  EXPECT_THAT(changes.edges, IsEmpty());
+  EXPECT_THAT(changes.removedPlaces, ElementsAre(brief));
+}
+
+TEST(TopologicalMap, KeepsTheStandingOfPlaces) {
+  auto m = ringMap(3);
+  m.takeChanges();
+  m.setStanding(p(1), Standing::kConfirmed, std::nullopt);  // as it is
+  EXPECT_TRUE(m.takeChanges().empty());
+  m.setStanding(p(1), Standing::kProbation, std::nullopt);
+  m.setStanding(p(2), Standing::kConfirmed, 12.5);
+  EXPECT_THAT(m.takeChanges().places, ElementsAre(p(1), p(2)));
+  EXPECT_EQ(m.place(p(1)).standing, Standing::kProbation);
+  EXPECT_EQ(m.place(p(2)).matchedStamp, 12.5);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(messageOf([&] { m.setStanding(p(0), Standing::kConfirmed, nan); }),
+              HasSubstr("place 0: the time of its last match"));
+}
+
 TEST(TopologicalMap, HopDistancesAreShortestPaths) {
   auto m = ringMap(9);
   const auto hops = m.hopDistances(p(2), 100);

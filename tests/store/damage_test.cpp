@@ -29,6 +29,7 @@ class DamageTest : public StoreTest {
     name_ = path("a.engram");
     auto map = ringMap(4, 12);
     map.remember(map::PlaceId(1), memory::Fsh({}), {}, {});
+    map.setStanding(map::PlaceId(3), map::Standing::kProbation, 4.5);
     const auto report = sampleReport();
     MapFile file = MapFile::create(name_, sampleHeader());
     file.commit(map, map.takeChanges(), &report);

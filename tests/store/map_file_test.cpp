@@ -56,8 +56,11 @@ class KeepOdd : public memory::MemoryModel {
 
 /// Changes something, as a session does.
 void change(map::TopologicalMap& map, base::Rng& rng) {
-  const auto any = [&] { return map::PlaceId(rng.below(static_cast<std::uint32_t>(map.places().size()))); };
-  switch (rng.below(7)) {
+  const auto any = [&] {
+    const auto n = rng.below(static_cast<std::uint32_t>(map.places().size()));
+    return std::next(map.places().begin(), static_cast<std::ptrdiff_t>(n))->first;
+  };
+  switch (rng.below(9)) {
     case 0: {
       map::Place place;
       place.memory = engram::testing::randomMemory(rng, static_cast<int>(rng.below(12)), 2);
@@ -78,6 +81,15 @@ void change(map::TopologicalMap& map, base::Rng& rng) {
       break;
     case 5:
       if (!map.edges().empty()) map.removeEdge(map.edges().begin()->first);
+      break;
+    case 6: {
+      const auto gone = any(), heir = any();
+      if (gone != heir && map.places().size() > 3) map.removePlace(gone, heir);
+      break;
+    }
+    case 7:
+      map.setStanding(any(), static_cast<map::Standing>(rng.below(3)),
+                      rng.below(2) == 0 ? std::nullopt : std::optional(rng.uniform()));
       break;
     default: {
       const auto a = any(), b = any();
@@ -148,12 +160,12 @@ TEST_F(MapFileTest, CommitsOfChangesAddUpToTheMap) {
   EXPECT_THAT(file.check(), IsEmpty());
 }
 
-/// The row of totals as it stands in the file.
-std::string totals(const std::string& path) {
+/// The first row of a table as it stands in the file.
+std::string firstRow(const std::string& path, const std::string& table) {
   sqlite3* db = nullptr;
   sqlite3_stmt* row = nullptr;
   EXPECT_EQ(sqlite3_open_v2(path.c_str(), &db, SQLITE_OPEN_READONLY, nullptr), SQLITE_OK);
-  sqlite3_prepare_v2(db, "SELECT data FROM state", -1, &row, nullptr);
+  sqlite3_prepare_v2(db, ("SELECT data FROM " + table + " ORDER BY id").c_str(), -1, &row, nullptr);
   EXPECT_EQ(sqlite3_step(row), SQLITE_ROW);
   const std::string data(static_cast<const char*>(sqlite3_column_blob(row, 0)),
                          static_cast<std::size_t>(sqlite3_column_bytes(row, 0)));
@@ -169,8 +181,8 @@ TEST_F(MapFileTest, MapsWithoutRedetectionsAreThoseOfTheFirstVersion) {
   MapFile file = MapFile::create(path("a.engram"), sampleHeader());
   file.commit(map, map.takeChanges());
   file.close();
-  ASSERT_EQ(totals(path("a.engram")).size(), 66u);
-  EXPECT_EQ(totals(path("a.engram"))[1], 1);
+  ASSERT_EQ(firstRow(path("a.engram"), "state").size(), 66u);
+  EXPECT_EQ(firstRow(path("a.engram"), "state")[1], 1);
   EXPECT_EQ(MapFile::open(path("a.engram"), Access::kReadOnly).load().content().redetections.views, 0u);
 
   file = MapFile::open(path("a.engram"), Access::kReadWrite);  // and learn from then on
@@ -178,10 +190,25 @@ TEST_F(MapFileTest, MapsWithoutRedetectionsAreThoseOfTheFirstVersion) {
   map.remember(map::PlaceId(1), KeepOdd{}, {}, std::vector<types::Match>{{0, 3, 0.1f}});
   file.commit(map, map.takeChanges());
   file.close();
-  EXPECT_EQ(totals(path("a.engram"))[1], 2);
+  EXPECT_EQ(firstRow(path("a.engram"), "state")[1], 2);
   const auto read = MapFile::open(path("a.engram"), Access::kReadOnly).load();
   EXPECT_EQ(read.content().redetections, map.content().redetections);
   EXPECT_EQ(read.content().redetections.views, 1u);
+}
+
+/// So did the standing of places with version 2 of theirs.
+TEST_F(MapFileTest, PlacesThatNoRuleHasJudgedAreThoseOfTheFirstVersion) {
+  auto map = ringMap(4, 12);
+  MapFile file = MapFile::create(path("a.engram"), sampleHeader());
+  file.commit(map, map.takeChanges());
+  const std::string old = firstRow(path("a.engram"), "places");
+  EXPECT_EQ(old[1], 1);
+  map.setStanding(map::PlaceId(0), map::Standing::kProbation, std::nullopt);
+  file.commit(map, map.takeChanges());
+  EXPECT_EQ(firstRow(path("a.engram"), "places")[1], 2);
+  map.setStanding(map::PlaceId(0), map::Standing::kConfirmed, std::nullopt);
+  file.commit(map, map.takeChanges());
+  EXPECT_EQ(firstRow(path("a.engram"), "places"), old);
 }
 
 TEST_F(MapFileTest, EqualMapsGiveEqualDumps) {

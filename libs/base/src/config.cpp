@@ -109,6 +109,14 @@ void IniFile::override(const std::string& assignment) {
   sections_[section][key] = {trim(assignment.substr(equals + 1)), "--set"};
 }
 
+std::optional<IniFile::Section> IniFile::take(const std::string& section) {
+  const auto at = sections_.find(section);
+  if (at == sections_.end()) return std::nullopt;
+  Section taken = std::move(at->second);
+  sections_.erase(at);
+  return taken;
+}
+
 Params& Config::addSection(const std::string& name) {
   for (auto& bound : sections_)
     if (bound.name == name) return bound.params;

@@ -87,10 +87,24 @@ const char* toString(EdgeType type) {
 
 bool isPassage(EdgeType type) { return type != EdgeType::kWeak && type != EdgeType::kDeadReckoning; }
 
+const char* toString(Standing standing) {
+  switch (standing) {
+    case Standing::kConfirmed:
+      return "confirmed";
+    case Standing::kUnmatched:
+      return "unmatched";
+    case Standing::kProbation:
+      return "probation";
+  }
+  return "?";
+}
+
 std::string brokenRule(const Place& place) {
   if (!isRigid(place.T_map_place)) return "its pose is not a finite rigid transform";
   if (place.T_world_place && !isRigid(*place.T_world_place))
     return "its surveyed pose is not a finite rigid transform";
+  if (place.matchedStamp && !std::isfinite(*place.matchedStamp))
+    return "the time of its last match is not finite";
   return brokenRule(place.memory);
 }
 

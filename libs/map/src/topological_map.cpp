@@ -25,16 +25,20 @@ std::string ends(const Edge& edge) {
 }  // namespace
 
 bool MapChanges::empty() const {
-  return places.empty() && memories.empty() && views.empty() && edges.empty() && removedEdges.empty() &&
+  return places.empty() && memories.empty() && views.empty() && edges.empty() && removedPlaces.empty() &&
+         removedViews.empty() && removedEdges.empty() && movedPathPoints.empty() &&
          firstNewPathPoint == pathSize;
 }
 
 TopologicalMap::TopologicalMap(MapContent content) : content_(std::move(content)) {
   checkInvariants();
+  for (const auto& [id, place] : content_.places) holds_[id];
+  for (const auto& [id, view] : content_.views) holds_[view.place].views.push_back(id);
   for (const auto& [id, edge] : content_.edges) {
-    incident_[edge.a].push_back(id);
-    incident_[edge.b].push_back(id);
+    holds_[edge.a].edges.push_back(id);
+    holds_[edge.b].edges.push_back(id);
   }
+  for (std::size_t i = 0; i < content_.path.size(); ++i) holds_[content_.path[i].anchor].path.push_back(i);
   changes_.firstNewPathPoint = content_.path.size();
 }
 
@@ -44,6 +48,7 @@ PlaceId TopologicalMap::addPlace(Place place) {
   place.id = PlaceId(content_.nextPlace++);
   const PlaceId id = place.id;
   content_.places.emplace(id, std::move(place));
+  holds_[id];
   changes_.places.push_back(id);
   changes_.memories.push_back(id);
   return id;
@@ -53,6 +58,7 @@ ViewId TopologicalMap::addView(View view) {
   place(view.place);  // throws when unknown
   view.id = ViewId(content_.nextView++);
   const ViewId id = view.id;
+  holds_[view.place].views.push_back(id);
   content_.views.emplace(id, std::move(view));
   changes_.views.push_back(id);
   return id;
@@ -66,8 +72,8 @@ EdgeId TopologicalMap::addEdge(Edge edge) {
   const EdgeId id = edge.id;
   const PlaceId a = edge.a, b = edge.b;
   content_.edges.emplace(id, std::move(edge));
-  incident_[a].push_back(id);
-  incident_[b].push_back(id);
+  holds_[a].edges.push_back(id);
+  holds_[b].edges.push_back(id);
   changes_.edges.push_back(id);
   if (!content_.edges.at(id).correspondences.empty()) {
     dropForgotten(a);
@@ -78,8 +84,8 @@ EdgeId TopologicalMap::addEdge(Edge edge) {
 
 void TopologicalMap::removeEdge(EdgeId id) {
   const Edge& gone = edge(id);
-  std::erase(incident_[gone.a], id);
-  std::erase(incident_[gone.b], id);
+  std::erase(holds_[gone.a].edges, id);
+  std::erase(holds_[gone.b].edges, id);
   content_.edges.erase(id);
   changes_.removedEdges.push_back(id);
 }
@@ -88,7 +94,29 @@ void TopologicalMap::addPathPoint(const PathPoint& point) {
   place(point.anchor);  // throws when unknown
   if (!point.T_anchor_robot.matrix().allFinite())
     throw base::Error("the path cannot take a pose that is not finite");
+  holds_[point.anchor].path.push_back(content_.path.size());
   content_.path.push_back(point);
+}
+
+void TopologicalMap::removePlace(PlaceId id, PlaceId heir) {
+  if (id == heir) throw base::Error("place " + std::to_string(id.value) + " cannot be its own heir");
+  const Eigen::Isometry3d T_heir_gone = place(heir).T_map_place.inverse() * place(id).T_map_place;
+  const Holds holds = holds_.at(id);  // a copy: removeEdge() edits it
+  for (const EdgeId edge : holds.edges) removeEdge(edge);
+  for (const ViewId view : holds.views) {
+    content_.views.erase(view);
+    changes_.removedViews.push_back(view);
+  }
+  auto& inherited = holds_.at(heir).path;
+  for (const std::size_t i : holds.path) {
+    PathPoint& point = content_.path[i];
+    point = {point.session, point.stamp, heir, T_heir_gone * point.T_anchor_robot};
+    inherited.insert(std::lower_bound(inherited.begin(), inherited.end(), i), i);
+    changes_.movedPathPoints.push_back(i);
+  }
+  content_.places.erase(id);
+  holds_.erase(id);
+  changes_.removedPlaces.push_back(id);
 }
 
 void TopologicalMap::setPose(PlaceId id, const Eigen::Isometry3d& T_map_place) {
@@ -111,6 +139,18 @@ void TopologicalMap::setPoses(const std::map<PlaceId, Eigen::Isometry3d>& T_map_
   }
 }
 
+void TopologicalMap::setStanding(PlaceId id, Standing standing, std::optional<double> matchedStamp) {
+  Place judged;
+  judged.matchedStamp = matchedStamp;
+  if (const std::string rule = brokenRule(judged); !rule.empty())
+    throw base::Error("cannot judge place " + std::to_string(id.value) + ": " + rule);
+  Place& target = mutablePlace(id);
+  if (target.standing == standing && target.matchedStamp == matchedStamp) return;
+  target.standing = standing;
+  target.matchedStamp = matchedStamp;
+  changes_.places.push_back(id);
+}
+
 void TopologicalMap::survey(PlaceId id, const Eigen::Isometry3d& T_world_place) {
   Place surveyed;
   surveyed.T_map_place = T_world_place;
@@ -131,7 +171,7 @@ types::MemoryChange TopologicalMap::remember(PlaceId id, const memory::MemoryMod
 }
 
 void TopologicalMap::dropForgotten(PlaceId id) {
-  const auto& edges = incident_[id];
+  const auto& edges = holds_.at(id).edges;
   if (edges.empty()) return;
   std::set<std::uint32_t> known;
   for (const auto& state : content_.places.at(id).memory.states) known.insert(state.id);
@@ -171,12 +211,15 @@ int TopologicalMap::nextSession() const {
   return last + 1;
 }
 
+const std::vector<ViewId>& TopologicalMap::viewsOf(PlaceId id) const {
+  place(id);  // throws when unknown
+  return holds_.at(id).views;
+}
+
 std::vector<Neighbour> TopologicalMap::neighbours(PlaceId id) const {
   place(id);  // throws when unknown
   std::vector<Neighbour> out;
-  const auto it = incident_.find(id);
-  if (it == incident_.end()) return out;
-  for (const EdgeId edgeId : it->second) {
+  for (const EdgeId edgeId : holds_.at(id).edges) {
     const Edge& e = content_.edges.at(edgeId);
     out.push_back({e.a == id ? e.b : e.a, edgeId, e.type});
   }
@@ -219,8 +262,16 @@ MapChanges TopologicalMap::takeChanges() {
   sortUnique(changes_.memories);
   sortUnique(changes_.views);
   sortUnique(changes_.edges);
+  sortUnique(changes_.removedPlaces);
+  sortUnique(changes_.removedViews);
   sortUnique(changes_.removedEdges);
+  sortUnique(changes_.movedPathPoints);
+  const auto isGone = [&](PlaceId id) { return !content_.places.contains(id); };
+  std::erase_if(changes_.places, isGone);
+  std::erase_if(changes_.memories, isGone);
+  std::erase_if(changes_.views, [&](ViewId id) { return !content_.views.contains(id); });
   std::erase_if(changes_.edges, [&](EdgeId id) { return !content_.edges.contains(id); });
+  std::erase_if(changes_.movedPathPoints, [&](std::size_t i) { return i >= changes_.firstNewPathPoint; });
   changes_.pathSize = content_.path.size();
   MapChanges taken;
   taken.firstNewPathPoint = content_.path.size();

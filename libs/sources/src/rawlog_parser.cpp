@@ -3,6 +3,7 @@
 #include "rawlog_parser.h"
 
 #include "engram/base/error.h"
+#include "rawlog_stamp.h"
 
 #include <algorithm>
 #include <cctype>
@@ -88,13 +89,6 @@ std::string guessLabel(std::span<const std::uint8_t> bytes) {
       return {text.begin(), text.end()};
   }
   return {};
-}
-
-/// MRPT counts 100 ns ticks since the year 1601; 0 is its "invalid".
-double unixSeconds(std::uint64_t ticks) {
-  if (ticks == 0) return std::numeric_limits<double>::quiet_NaN();
-  constexpr std::int64_t kEpoch = 116444736000000000;
-  return static_cast<double>(static_cast<std::int64_t>(ticks) - kEpoch) * 1e-7;
 }
 
 }  // namespace

@@ -4,23 +4,19 @@
 
 #include "engram/base/error.h"
 #include "engram/sources/odometry_track.h"
+#include "gz_archive.h"
 #include "image_codec.h"
+#include "rawlog_stamp.h"
 
 #include <mrpt/img/TCamera.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/poses/CPose3D.h>
 #include <mrpt/poses/CPose3DQuat.h>
-#include <mrpt/serialization/CArchive.h>
 
 #include <cerrno>
-#include <cmath>
-#include <cstring>
-#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
-#include <unistd.h>
 #include <vector>
-#include <zlib.h>
 
 namespace engram::sources {
 namespace {
@@ -33,70 +29,6 @@ std::string imagesFolderOf(const std::string& path) {
   const fs::path file(path);
   return (file.parent_path() / (file.stem().string() + "_Images")).string();
 }
-
-[[noreturn]] void failWriting(const std::string& path, int error) {
-  const std::string hint =
-      error == ENOSPC || error == EFBIG || error == EDQUOT ? "; free some space or choose another disk" : "";
-  throw base::Error(path + ": cannot be written: " + std::strerror(error) + hint);
-}
-
-std::uint64_t toTicks(double stamp) {
-  return static_cast<std::uint64_t>(std::llround(stamp * 1e7) + 116444736000000000);
-}
-
-/// MRPT's archive onto a gzip file whose write errors are not lost: MRPT's own stream ignores those of the
-/// last block.
-class GzArchive final : public mrpt::serialization::CArchive {
- public:
-  explicit GzArchive(std::string path) : path_(std::move(path)) {
-    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) failWriting(path_, errno);
-    file_ = gzdopen(::dup(descriptor_), "wb1");  // the images are compressed already
-    if (!file_) failWriting(path_, errno);
-  }
-  ~GzArchive() override {
-    if (file_) gzclose_w(file_);
-    ::close(descriptor_);
-  }
-
-  void finish() {
-    gzFile file = file_;
-    file_ = nullptr;
-    errno = 0;
-    if (gzclose_w(file) != Z_OK || ::fsync(descriptor_) != 0) failWriting(path_, errno != 0 ? errno : EIO);
-  }
-
-  void bytes(const void* data, std::size_t n) {
-    errno = 0;
-    if (n > 0 && gzwrite(file_, data, static_cast<unsigned>(n)) != static_cast<int>(n))
-      failWriting(path_, errno != 0 ? errno : EIO);
-  }
-  template <class T>
-  void value(T v) {
-    bytes(&v, sizeof v);
-  }
-  void text(const std::string& s) {
-    value(static_cast<std::uint32_t>(s.size()));
-    bytes(s.data(), s.size());
-  }
-  void header(const std::string& name, int version) {
-    value(static_cast<std::uint8_t>(name.size() | 0x80));
-    bytes(name.data(), name.size());
-    value(static_cast<std::uint8_t>(version));
-  }
-
- protected:
-  size_t write(const void* data, size_t n) override {
-    bytes(data, n);
-    return n;
-  }
-  size_t read(void*, size_t) override { throw std::logic_error("GzArchive is for writing"); }
-
- private:
-  std::string path_;
-  int descriptor_ = -1;
-  gzFile file_ = nullptr;
-};
 
 void writeFile(const std::string& path, const std::vector<std::uint8_t>& bytes) {
   errno = 0;
@@ -113,9 +45,9 @@ class RawlogWriter::Impl {
   Impl(const std::string& path, const RawlogWriterParams& params)
       : path_(path),
         params_(params),
-        part_(path + ".part"),
+        part_(params.live ? path : path + ".part"),
         folder_(imagesFolderOf(path)),
-        folderPart_(folder_ + ".part") {
+        folderPart_(params.live ? folder_ : folder_ + ".part") {
     for (const auto& target : {path_, params_.external_images ? folder_ : path_})
       if (!params_.overwrite && fs::exists(target))
         throw base::Error(target + ": exists already; choose another name or allow to overwrite it");
@@ -130,26 +62,57 @@ class RawlogWriter::Impl {
   }
 
   ~Impl() {
+    if (params_.live) keepWhatIsWhole();
     out_.reset();
+    if (params_.live && !empty_) return;
     std::error_code ignored;
     fs::remove(part_, ignored);
-    fs::remove_all(folderPart_, ignored);
+    if (params_.external_images) fs::remove_all(folderPart_, ignored);
   }
 
   void add(const types::Frame& frame) {
-    if (!out_) throw base::Error(path_ + ": is closed already");
     if (frame.image.empty())
       throw base::Error(path_ + ": frame " + std::to_string(frame.index) + " has no image");
-    label_ = frame.label;
-    if (frame.T_odom_robot) writeOdometry(frame);
-    frame.right.empty() ? writeImage(frame) : writeStereo(frame);
+    writeWhole([&] {
+      empty_ = false;
+      label_ = frame.label;
+      if (frame.T_odom_robot) writeOdometry(frame);
+      frame.right.empty() ? writeImage(frame) : writeStereo(frame);
+    });
     ++frames_;
+  }
+
+  types::Frame addReplayable(const types::Frame& frame) {
+    types::Frame replayed;
+    replayed.index = frames_;
+    add(frame);
+    replayed.stamp = unixSeconds(rawlogTicks(frame.stamp));
+    replayed.image = decodeAgain(left_.jpeg);
+    if (!frame.right.empty()) replayed.right = decodeAgain(right_.jpeg);
+    if (frame.T_odom_robot) replayed.T_odom_robot = toIsometry(pose_);
+    replayed.label = params_.external_images ? left_.name : params_.sensor_label;
+    return replayed;
+  }
+
+  void addObject(const mrpt::serialization::CSerializable& object) {
+    writeWhole([&] {
+      empty_ = false;
+      out_->WriteObject(&object);
+    });
+  }
+
+  void flush() {
+    writeWhole([&] { out_->flush(); });
+    framesSafe_ = frames_;
   }
 
   void close() {
     if (!out_) return;
-    out_->finish();
+    writeWhole([&] { out_->finish(); });
+    framesSafe_ = frames_;
+    finalBytes_ = out_->size();
     out_.reset();
+    if (params_.live) return;
     std::error_code status;
     if (params_.external_images) {
       fs::remove_all(folder_, status);
@@ -161,14 +124,53 @@ class RawlogWriter::Impl {
   }
 
   std::size_t frames() const { return frames_; }
+  std::size_t framesSafe() const { return framesSafe_; }
+  std::uint64_t bytes() const { return (out_ ? out_->size() : finalBytes_) + externalBytes_; }
 
  private:
+  /// An image as it was written.
+  struct Written {
+    std::vector<std::uint8_t> jpeg;
+    std::string name;  ///< of the file, when it lies outside
+  };
+
+  /// Half an object must not stay: what follows it could not be read.
+  template <class Write>
+  void writeWhole(const Write& write) {
+    if (!out_) throw base::Error(path_ + ": is closed already");
+    try {
+      write();
+    } catch (...) {
+      out_->cutBack();
+      out_.reset();
+      throw;
+    }
+  }
+
+  /// The end of a live recording that was not closed: an exception passes.
+  void keepWhatIsWhole() noexcept {
+    if (!out_) return;
+    try {
+      out_->finish();
+    } catch (...) {
+      out_->cutBack();
+    }
+  }
+
+  static cv::Mat decodeAgain(const std::vector<std::uint8_t>& jpeg) {
+    EncodedImage encoded;
+    encoded.kind = EncodedImage::Kind::kFile;
+    encoded.bytes = jpeg;
+    return decode(encoded, "").image;
+  }
+
   void writeOdometry(const types::Frame& frame) {
     const Pose2 pose = toPose2(*frame.T_odom_robot);
     mrpt::obs::CObservationOdometry odometry;
     odometry.odometry = mrpt::poses::CPose2D(pose.x, pose.y, pose.yaw);
+    pose_ = {odometry.odometry.x(), odometry.odometry.y(), odometry.odometry.phi()};  // it wraps the angle
     odometry.sensorLabel = params_.odometry_label;
-    odometry.timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(toTicks(frame.stamp)));
+    odometry.timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(rawlogTicks(frame.stamp)));
     out_->WriteObject(&odometry);
   }
 
@@ -177,8 +179,8 @@ class RawlogWriter::Impl {
   void writeImage(const types::Frame& frame) {
     out_->header("mrpt::obs::CObservationImage", 4);
     *out_ << mrpt::poses::CPose3D() << calibrationOf(frame.image);
-    writePixels(frame.image, "");
-    out_->value(toTicks(frame.stamp));
+    writePixels(frame.image, "", left_);
+    out_->value(rawlogTicks(frame.stamp));
     out_->text(params_.sensor_label);
     out_->value(kEndFlag);
   }
@@ -186,11 +188,11 @@ class RawlogWriter::Impl {
   void writeStereo(const types::Frame& frame) {
     out_->header("mrpt::obs::CObservationStereoImages", 6);
     *out_ << mrpt::poses::CPose3DQuat() << calibrationOf(frame.image) << calibrationOf(frame.right);
-    writePixels(frame.image, "_left");
+    writePixels(frame.image, "_left", left_);
     out_->value(std::uint8_t{0});  // no disparity image
     out_->value(std::uint8_t{1});  // but a right one
-    writePixels(frame.right, "_right");
-    out_->value(toTicks(frame.stamp));
+    writePixels(frame.right, "_right", right_);
+    out_->value(rawlogTicks(frame.stamp));
     *out_ << mrpt::poses::CPose3DQuat();
     out_->text(params_.sensor_label);
     out_->value(kEndFlag);
@@ -213,15 +215,17 @@ class RawlogWriter::Impl {
     return name + ".jpg";
   }
 
-  void writePixels(const cv::Mat& image, const std::string& suffix) {
-    const auto bytes = encodeJpeg(image, params_.jpeg_quality);
+  void writePixels(const cv::Mat& image, const std::string& suffix, Written& written) {
+    written.jpeg = encodeJpeg(image, params_.jpeg_quality);
+    const auto& bytes = written.jpeg;
     if (bytes.empty()) throw base::Error(path_ + ": an image cannot be encoded as JPEG");
     out_->header("mrpt::img::CImage", 8);
     out_->value(static_cast<std::uint8_t>(params_.external_images ? 1 : 0));
     if (params_.external_images) {
-      const std::string name = externalName(suffix);
-      writeFile(folderPart_ + "/" + name, bytes);
-      out_->text(name);
+      written.name = externalName(suffix);
+      writeFile(folderPart_ + "/" + written.name, bytes);
+      externalBytes_ += bytes.size();
+      out_->text(written.name);
     } else {
       out_->value(std::uint8_t{1});  // "colour", which means JPEG; a grey JPEG is read back as grey
       out_->value(static_cast<std::int32_t>(image.cols));
@@ -236,15 +240,24 @@ class RawlogWriter::Impl {
   RawlogWriterParams params_;
   std::string part_, folder_, folderPart_;
   std::unique_ptr<GzArchive> out_;
-  std::size_t frames_ = 0;
+  std::size_t frames_ = 0, framesSafe_ = 0;
+  std::uint64_t finalBytes_ = 0, externalBytes_ = 0;
+  bool empty_ = true;  // nothing was ever written
   std::string label_;  // of the frame being written
+  Written left_, right_;
+  Pose2 pose_;
 };
 
 RawlogWriter::RawlogWriter(const std::string& path, const RawlogWriterParams& params)
     : impl_(std::make_unique<Impl>(path, params)) {}
 RawlogWriter::~RawlogWriter() = default;
 void RawlogWriter::add(const types::Frame& frame) { impl_->add(frame); }
+types::Frame RawlogWriter::addReplayable(const types::Frame& frame) { return impl_->addReplayable(frame); }
+void RawlogWriter::addObject(const mrpt::serialization::CSerializable& object) { impl_->addObject(object); }
+void RawlogWriter::flush() { impl_->flush(); }
 void RawlogWriter::close() { impl_->close(); }
 std::size_t RawlogWriter::frames() const { return impl_->frames(); }
+std::size_t RawlogWriter::framesSafe() const { return impl_->framesSafe(); }
+std::uint64_t RawlogWriter::bytes() const { return impl_->bytes(); }
 
 }  // namespace engram::sources

@@ -8,7 +8,8 @@ namespace engram::store {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;       // of every kind of row
-constexpr std::uint8_t kStateVersion = 2;  // but of this one
+constexpr std::uint8_t kStateVersion = 2;  // but of these
+constexpr std::uint8_t kPlaceVersion = 2;
 
 void putPose(BlobWriter& out, const Eigen::Isometry3d& T) {
   for (int r = 0; r < 3; ++r)
@@ -142,7 +143,8 @@ MapState decodeState(std::span<const std::uint8_t> row) {
 }
 
 Blob encode(const map::Place& place) {
-  BlobWriter out(RowKind::kPlace, kVersion);
+  const bool judged = place.standing != map::Standing::kConfirmed || place.matchedStamp;
+  BlobWriter out(RowKind::kPlace, judged ? kPlaceVersion : kVersion);
   putPose(out, place.T_map_place);
   out.put(place.createdStamp);
   out.varint(place.createdIndex);
@@ -150,11 +152,16 @@ Blob encode(const map::Place& place) {
   out.put(static_cast<std::int32_t>(place.session));
   out.put(static_cast<std::uint8_t>(place.T_world_place ? 1 : 0));
   if (place.T_world_place) putPose(out, *place.T_world_place);
+  if (judged) {
+    out.put(static_cast<std::uint8_t>(place.standing));
+    out.put(static_cast<std::uint8_t>(place.matchedStamp ? 1 : 0));
+    if (place.matchedStamp) out.put(*place.matchedStamp);
+  }
   return std::move(out).seal(place.id.value);
 }
 
 map::Place decodePlace(std::span<const std::uint8_t> row, std::uint64_t id) {
-  BlobReader in(row, RowKind::kPlace, kVersion, id);
+  BlobReader in(row, RowKind::kPlace, kPlaceVersion, id);
   map::Place place;
   place.id = map::PlaceId(static_cast<std::uint32_t>(id));
   place.T_map_place = getPose(in);
@@ -163,6 +170,13 @@ map::Place decodePlace(std::span<const std::uint8_t> row, std::uint64_t id) {
   place.createdLabel = in.text();
   place.session = in.get<std::int32_t>();
   if (in.get<std::uint8_t>() != 0) place.T_world_place = getPose(in);
+  if (in.version() >= 2) {
+    const auto standing = in.get<std::uint8_t>();
+    if (standing > static_cast<std::uint8_t>(map::Standing::kProbation))
+      throw base::Error("it is of an unknown standing");
+    place.standing = static_cast<map::Standing>(standing);
+    if (in.get<std::uint8_t>() != 0) place.matchedStamp = in.get<double>();
+  }
   in.requireEnd();
   return place;
 }

@@ -107,6 +107,8 @@ void dump(std::ostream& out, const map::MapHeader& header, const map::MapContent
     out << "place " << id.value << " session " << p.session << " stamp " << exact(p.createdStamp) << " image "
         << p.createdIndex << ' ' << oneLine(p.createdLabel) << " pose " << pose(p.T_map_place);
     if (p.T_world_place) out << " surveyed " << pose(*p.T_world_place);
+    if (p.standing != map::Standing::kConfirmed) out << " standing " << map::toString(p.standing);
+    if (p.matchedStamp) out << " matched " << exact(*p.matchedStamp);
     out << '\n';
     dumpMemory(out, p.memory);
   }

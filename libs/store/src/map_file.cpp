@@ -80,6 +80,19 @@ void writeState(Database& database, const MapState& state) {
   Statement(database, "INSERT OR REPLACE INTO state VALUES (0, ?)").bind(1, row).run();
 }
 
+/// Deletes the rows of what the map has no more.
+void remove(Database& database, const map::MapChanges& changes) {
+  const auto from = [&](const char* table, const auto& ids) {
+    if (ids.empty()) return;
+    Statement gone(database, ("DELETE FROM " + std::string(table) + " WHERE id = ?").c_str());
+    for (const auto id : ids) gone.bind(1, std::uint64_t{id.value}).run();
+  };
+  from("places", changes.removedPlaces);
+  from("memories", changes.removedPlaces);
+  from("views", changes.removedViews);
+  from("edges", changes.removedEdges);
+}
+
 void requireMap(Database& database) {
   if (database.number("PRAGMA application_id") != kApplicationId)
     throw base::Error("map '" + database.path() + "': it is not an Engram map");
@@ -183,8 +196,9 @@ void MapFile::commit(const map::TopologicalMap& map, const map::MapChanges& chan
   for (const auto id : changes.views) put(view, id.value, encode(content.views.at(id)));
   Statement edge(database, "INSERT OR REPLACE INTO edges VALUES (?, ?)");
   for (const auto id : changes.edges) put(edge, id.value, encode(map.edge(id)));
-  Statement gone(database, "DELETE FROM edges WHERE id = ?");
-  for (const auto id : changes.removedEdges) gone.bind(1, std::uint64_t{id.value}).run();
+  remove(database, changes);
+  Statement moved(database, "UPDATE path SET data = ?2 WHERE id = ?1");
+  for (const std::size_t i : changes.movedPathPoints) put(moved, i, encode(content.path[i], i));
   Statement point(database, "INSERT INTO path VALUES (?, ?)");
   for (std::size_t i = changes.firstNewPathPoint; i < changes.pathSize; ++i)
     put(point, i, encode(content.path[i], i));

@@ -3,6 +3,7 @@
 #include "engram/world/world.h"
 
 #include "engram/base/error.h"
+#include "engram/cameras/stereo_rig.h"
 #include "preset_cameras.h"
 
 #include <cmath>
@@ -27,9 +28,10 @@ Eigen::Isometry3d toIsometry(const Pose2& pose) {
 Eyes presetEyes(const std::string& name) {
   if (name == "omni") return {name, cameras::parseCamera(kOmniCamera, "omni_world.ini"), {}};
   if (name == "pinhole") return {name, cameras::parseCamera(kPinholeCamera, "pinhole_world.ini"), {}};
-  if (name == "stereo")
-    return {name, cameras::parseCamera(kStereoLeftCamera, "stereo_left_world.ini"),
-            cameras::parseCamera(kStereoRightCamera, "stereo_right_world.ini")};
+  if (name == "stereo") {
+    auto [left, right] = cameras::parseStereoRig(kStereoCamera, "stereo_world.ini");
+    return {name, std::move(left), std::move(right)};
+  }
   throw base::Error("unknown camera '" + name + "'; use omni, pinhole, stereo or a calibration file (.ini)");
 }
 

@@ -5,6 +5,7 @@
 #include "engram/base/params.h"
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,9 @@ class IniFile {
 
   /// Applies `section.key=value` of the command line on top.
   void override(const std::string& assignment);
+
+  /// Removes a section and hands it over; none when there is no such section.
+  std::optional<Section> take(const std::string& section);
 
   const std::map<std::string, Section>& sections() const { return sections_; }
   const std::string& name() const { return name_; }

@@ -36,6 +36,16 @@ struct MapHeader {
   bool operator==(const MapHeader&) const = default;
 };
 
+/// What the rules of forgetting know of a place (K-28 with K-E8).
+enum class Standing : std::uint8_t {
+  kConfirmed,  ///< it has matched another view, or no rule has looked at it yet
+  kUnmatched,  ///< it matched no view when it was made: counts as older than all confirmed ones
+  kProbation,  ///< the same where there was no room: it goes unless the next view in its neighbourhood
+               ///< matches it
+};
+
+const char* toString(Standing standing);
+
 /// A place of the topological map: one node.
 struct Place {
   PlaceId id;
@@ -45,6 +55,8 @@ struct Place {
   std::uint64_t createdIndex = 0;  ///< Frame::index
   std::string createdLabel;
   int session = 0;  ///< drive in which it was made, from 0
+  Standing standing = Standing::kConfirmed;
+  std::optional<double> matchedStamp;  ///< [s] of the last view that matched it, if that is kept (K-E9)
   std::optional<Eigen::Isometry3d>
       T_world_place;  ///< surveyed pose, for evaluation only: no step may read it
 };

@@ -17,13 +17,16 @@ namespace engram::map {
 /// Ids of what changed since the last takeChanges(): what the store must write. Ascending, without
 /// duplicates.
 struct MapChanges {
-  std::vector<PlaceId> places;    ///< new, moved or surveyed
-  std::vector<PlaceId> memories;  ///< new or updated
-  std::vector<ViewId> views;      ///< new
-  std::vector<EdgeId> edges;      ///< new, or correspondences dropped
+  std::vector<PlaceId> places;         ///< new, moved, surveyed or of another standing
+  std::vector<PlaceId> memories;       ///< new or updated
+  std::vector<ViewId> views;           ///< new
+  std::vector<EdgeId> edges;           ///< new, or correspondences dropped
+  std::vector<PlaceId> removedPlaces;  ///< with their memories
+  std::vector<ViewId> removedViews;
   std::vector<EdgeId> removedEdges;
-  std::size_t firstNewPathPoint = 0;  ///< path points from here on are new
-  std::size_t pathSize = 0;           ///< path points in all
+  std::vector<std::size_t> movedPathPoints;  ///< older ones that are tied to another place now
+  std::size_t firstNewPathPoint = 0;         ///< path points from here on are new
+  std::size_t pathSize = 0;                  ///< path points in all
   bool empty() const;
 };
 
@@ -49,9 +52,15 @@ class TopologicalMap {
   EdgeId addEdge(Edge edge);
   void removeEdge(EdgeId id);
   void addPathPoint(const PathPoint& point);
+  /// Takes a place out, with its memory, its views and its edges. Path points tied to it stay where they are
+  /// in the map and are tied to `heir`, another place. What else the edges said is the caller's to keep: see
+  /// upkeep.
+  void removePlace(PlaceId id, PlaceId heir);
 
   void setPose(PlaceId id, const Eigen::Isometry3d& T_map_place);
   void setPoses(const std::map<PlaceId, Eigen::Isometry3d>& T_map_place);
+  /// Keeps what the rules of forgetting decided.
+  void setStanding(PlaceId id, Standing standing, std::optional<double> matchedStamp);
   /// Keeps the true pose of a place, for evaluation.
   void survey(PlaceId id, const Eigen::Isometry3d& T_world_place);
 
@@ -75,6 +84,8 @@ class TopologicalMap {
   /// One more than the largest session number of any place, view or path point; 0 for an empty map.
   int nextSession() const;
 
+  /// Ids of the views of a place, ascending.
+  const std::vector<ViewId>& viewsOf(PlaceId id) const;
   /// Places joined to this one by an edge, in the order of the edge ids.
   std::vector<Neighbour> neighbours(PlaceId id) const;
   /// Number of edges to every place within `maxHops` of `from` (0 for itself). Edges that are no
@@ -90,12 +101,19 @@ class TopologicalMap {
   MapChanges takeChanges();
 
  private:
+  /// What points at a place, in ascending order.
+  struct Holds {
+    std::vector<EdgeId> edges;
+    std::vector<ViewId> views;
+    std::vector<std::size_t> path;
+  };
+
   Place& mutablePlace(PlaceId id);
   void dropForgotten(PlaceId id);
 
   MapContent content_;
-  std::map<PlaceId, std::vector<EdgeId>> incident_;  // ascending, as edge ids only grow
-  MapChanges changes_;                               // unsorted, with duplicates until taken
+  std::map<PlaceId, Holds> holds_;  // of every place
+  MapChanges changes_;              // unsorted, with duplicates until taken
 };
 
 }  // namespace engram::map

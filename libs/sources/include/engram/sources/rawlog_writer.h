@@ -4,8 +4,13 @@
 
 #include "engram/types/frame.h"
 
+#include <cstdint>
 #include <memory>
 #include <string>
+
+namespace mrpt::serialization {
+class CSerializable;
+}
 
 namespace engram::sources {
 
@@ -15,27 +20,40 @@ struct RawlogWriterParams {
   int jpeg_quality = 90;         ///< 1 … 100
   bool external_images = false;  ///< as files in `<rawlog name>_Images` instead of inside the rawlog
   bool overwrite = false;        ///< replace an existing rawlog (and its folder of images)
+  bool live = false;             ///< what is written cannot be made again: keep it whatever happens
 };
 
 /// Writes frames as a gzip rawlog of observations: for each frame CObservationOdometry where there is
 /// odometry (its part in the plane), then CObservationImage or, with a right image, CObservationStereoImages,
 /// as JPEG. MRPT 2.x reads it. Everything goes to `<path>.part` and gets its name only in close(): there is
 /// never half a rawlog.
+///
+/// A live recording has its name from the start. At every flush() it is a whole rawlog; a crash loses what
+/// came after the last one, and so does a full disk.
 class RawlogWriter {
  public:
   /// Throws base::Error when the path exists (and overwrite is false) or cannot be written.
   explicit RawlogWriter(const std::string& path, const RawlogWriterParams& params = {});
-  /// Without close() nothing is left behind.
+  /// Without close() nothing is left behind; of a live recording, everything.
   ~RawlogWriter();
   RawlogWriter(const RawlogWriter&) = delete;
   RawlogWriter& operator=(const RawlogWriter&) = delete;
 
   /// Throws base::Error when the disk is full or the image cannot be encoded.
   void add(const types::Frame& frame);
+  /// The same; returns the frame as openRawlog() will read it back, bit for bit: after JPEG, and with stamp
+  /// and odometry as the rawlog holds them.
+  types::Frame addReplayable(const types::Frame& frame);
+  /// Any other object of MRPT.
+  void addObject(const mrpt::serialization::CSerializable& object);
+  /// Brings everything to the disk as a whole rawlog. Throws base::Error.
+  void flush();
   /// Writes the rest, makes sure it is on the disk and gives the file its name. Throws base::Error.
   void close();
 
-  std::size_t frames() const;
+  std::size_t frames() const;      ///< added
+  std::size_t framesSafe() const;  ///< of them, those that the last flush() or close() brought to the disk
+  std::uint64_t bytes() const;     ///< on the disk so far, with images stored outside
 
  private:
   class Impl;

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/apps/program.h"
+#include "engram/capture/bounded_queue.h"
+#include "engram/capture/grab_stats.h"
+#include "engram/capture/live_config.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace engram::apps {
+
+/// One subcommand of engram-capture.
+class CaptureCommand {
+ public:
+  virtual ~CaptureCommand() = default;
+  virtual std::string name() const = 0;
+  virtual std::string description() const = 0;
+  virtual std::string examples() const = 0;
+  virtual void declare(CLI::App& app) = 0;
+  virtual int run(std::ostream& out, std::ostream& err) = 0;
+};
+
+std::unique_ptr<CaptureCommand> makeListCommand();
+std::unique_ptr<CaptureCommand> makeRecordCommand();
+std::unique_ptr<CaptureCommand> makeCheckCommand();
+std::unique_ptr<CaptureCommand> makePreviewCommand();
+std::unique_ptr<CaptureCommand> makeServeCommand();
+
+/// Which camera, and how it is to be set: by a section of a configuration, by options, or both.
+struct CameraOptions {
+  std::string config, section, camera, rightCamera;
+  std::vector<std::string> settings, features, plugins;
+
+  void declare(CLI::App& app);
+  /// Loads the plug-ins too. Throws base::Error.
+  capture::LiveConfig load() const;
+};
+
+/// The queue between camera and program that a configuration asks for.
+struct QueueChoice {
+  std::size_t capacity;
+  capture::WhenFull whenFull;
+};
+QueueChoice queueFor(const capture::GigeParams& params, bool recording);
+
+/// "640x480 Mono8, 30 images/s, Aravis Fake GV01 at 127.0.0.1".
+std::string describe(const capture::CameraSettings& settings);
+
+}  // namespace engram::apps

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace engram::sources {
+
+/// MRPT counts steps of 100 ns since the year 1601.
+inline constexpr std::int64_t kTicksAtUnixEpoch = 116444736000000000;
+
+/// @param stamp [s since the Unix epoch]
+inline std::uint64_t rawlogTicks(double stamp) {
+  return static_cast<std::uint64_t>(std::llround(stamp * 1e7) + kTicksAtUnixEpoch);
+}
+
+/// [s since the Unix epoch]; NaN when the recorder set none.
+inline double unixSeconds(std::uint64_t ticks) {
+  if (ticks == 0) return std::numeric_limits<double>::quiet_NaN();
+  return static_cast<double>(static_cast<std::int64_t>(ticks) - kTicksAtUnixEpoch) * 1e-7;
+}
+
+}  // namespace engram::sources
