@@ -127,8 +127,8 @@ BENCHMARK(recogniseAndLearn)
 
 /// A vocabulary tree on 200,000 descriptors, and views of 300 features by their words.
 struct Trained {
-  VocabularyTree tree;
   std::vector<base::WordId> pool;  // words of as many descriptors, as often as they occur
+  VocabularyTree tree;
 
   explicit Trained(Rows& source) : tree(make(source, pool)) {}
 
