@@ -107,7 +107,8 @@ std::string MapProgram::examples() const {
          "  engram-map dump office.engram > office.txt                     all content as text, for diff\n"
          "  engram-map export office.engram --format 3dscene --images --out office.3Dscene\n"
          "  engram-map export office.engram --format html --out office.html\n"
-         "  engram-map export office.engram --format tum --out path.tum    for evo and the like\n";
+         "  engram-map export office.engram --format tum --out path.tum    for evo and the like\n"
+         "  engram-map train-vocabulary a.engram b.engram --out office.vocabulary\n";
 }
 
 void MapProgram::declare(CLI::App& app) {
@@ -116,6 +117,9 @@ void MapProgram::declare(CLI::App& app) {
   check_ = app.add_subcommand("check", "Check all checksums and rules; exit code 1 when the map is damaged");
   dump_ = app.add_subcommand("dump", "Print the whole content as text; equal maps give equal text");
   export_ = app.add_subcommand("export", "Write the map in a format of other programs");
+  train_ =
+      app.add_subcommand("train-vocabulary", "Train a vocabulary tree on what the places of maps remember");
+  trainVocabulary_.declare(*train_);
   for (CLI::App* command : {info_, check_, dump_, export_}) {
     command->add_option("map", map_, "Map file")->required();
     command->add_flag("-q,--quiet", quiet_, "Print results and errors only");
@@ -132,10 +136,11 @@ void MapProgram::declare(CLI::App& app) {
   export_->add_flag("--overwrite", overwrite_, "Replace the file if it exists");
 }
 
-int MapProgram::run(std::ostream& out, std::ostream&) {
+int MapProgram::run(std::ostream& out, std::ostream& err) {
   if (info_->parsed()) return info(out);
   if (check_->parsed()) return check(out);
   if (dump_->parsed()) return dump(out);
+  if (train_->parsed()) return trainVocabulary_.run(out, err);
   return exportMap(out);
 }
 

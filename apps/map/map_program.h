@@ -3,14 +3,18 @@
 #pragma once
 
 #include "engram/apps/program.h"
+#include "train_vocabulary_command.h"
 
 namespace engram::apps {
 
-/// engram-map: looks into a map file, checks it and exports it. Never writes to the map.
+/// engram-map: looks into a map file, checks it, exports it, and trains vocabularies on it. Never writes to
+/// the map.
 class MapProgram : public Program {
  public:
   std::string name() const override { return "engram-map"; }
-  std::string description() const override { return "Look into a map of Engram, check it, export it"; }
+  std::string description() const override {
+    return "Look into a map of Engram, check it, export it, train a vocabulary on it";
+  }
   std::string examples() const override;
   void declare(CLI::App& app) override;
   int run(std::ostream& out, std::ostream& err) override;
@@ -21,8 +25,9 @@ class MapProgram : public Program {
   int dump(std::ostream& out) const;
   int exportMap(std::ostream& out) const;
 
-  CLI::App *info_ = nullptr, *check_ = nullptr, *dump_ = nullptr, *export_ = nullptr;
+  CLI::App *info_ = nullptr, *check_ = nullptr, *dump_ = nullptr, *export_ = nullptr, *train_ = nullptr;
   std::string map_, json_, format_, output_;
+  TrainVocabularyCommand trainVocabulary_;
   bool images_ = false, overwrite_ = false, quiet_ = false;
 };
 

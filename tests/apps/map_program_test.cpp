@@ -3,6 +3,7 @@
 #include "map_program.h"
 
 #include "engram/store/map_file.h"
+#include "engram/vocabulary/vocabulary_tree.h"
 #include "sample_map.h"
 
 #include <gmock/gmock.h>
@@ -109,6 +110,50 @@ TEST_F(MapProgramTest, ExportsEveryFormatAndLeavesTheMapAlone) {
   EXPECT_THAT(read(path("out.graph")), HasSubstr("EDGE3"));
   EXPECT_THAT(read(path("out.html")), HasSubstr("<title>Engram map m.engram</title>"));
   EXPECT_EQ(read(path("m.engram")), before);
+}
+
+TEST_F(MapProgramTest, TrainsAVocabularyOnMaps) {
+  const std::string before = read(path("m.engram")), file = path("v.vocabulary");
+  std::filesystem::copy(path("m.engram"), path("n.engram"));
+  const std::vector<std::string> command{
+      "train-vocabulary",      path("m.engram"), path("n.engram"), "--out", file, "--set",
+      "vocabulary.branching=4"};
+  EXPECT_EQ(run(command), kOk) << err_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("200 descriptors of 10 places"));
+  // The same as the library makes of the same places.
+  const auto map = store::MapFile::open(path("m.engram"), store::Access::kReadOnly).load();
+  std::vector<const types::Descriptors*> views;
+  for (int twice = 0; twice < 2; ++twice)
+    for (const auto& [id, place] : map.places()) views.push_back(&place.memory.features.descriptors);
+  vocabulary::TreeParams params;
+  params.branching = 4;
+  EXPECT_EQ(vocabulary::VocabularyTree::load(file), vocabulary::VocabularyTree::train(views, params));
+  EXPECT_EQ(read(path("m.engram")), before);
+
+  EXPECT_EQ(run(command), kError);
+  EXPECT_THAT(err_.str(), HasSubstr("exists already"));
+  EXPECT_EQ(run({"train-vocabulary", path("m.engram"), "--out", file, "--overwrite", "-q"}), kOk);
+  EXPECT_THAT(out_.str(), IsEmpty());
+}
+
+TEST_F(MapProgramTest, RefusesMapsThatNoVocabularyFits) {
+  map::MapHeader header;
+  header.extractor = "orb";
+  map::TopologicalMap empty;
+  store::MapFile::create(path("orb.engram"), header).commit(empty, empty.takeChanges());
+  const std::string file = path("v.vocabulary");
+  EXPECT_EQ(run({"train-vocabulary", path("m.engram"), path("orb.engram"), "--out", file}), kError);
+  EXPECT_THAT(err_.str(), AllOf(HasSubstr("orb.engram"), HasSubstr("one extractor")));
+  EXPECT_EQ(run({"train-vocabulary", path("orb.engram"), "--out", file}), kError);
+  EXPECT_THAT(err_.str(), HasSubstr("no descriptors"));
+  EXPECT_EQ(run({"train-vocabulary", path("m.engram"), "--out", file, "--set", "vocabulary.branchin=4"}),
+            kError);
+  EXPECT_THAT(err_.str(), HasSubstr("branching"));
+  EXPECT_EQ(run({"train-vocabulary", path("m.engram"), "--out", path("no/such/x")}), kError);
+  EXPECT_EQ(run({"train-vocabulary", "--out", file}), kUsage);
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_EQ(run({"train-vocabulary", path("m.engram"), "--out", file, "--dump-config"}), kOk);
+  EXPECT_THAT(out_.str(), HasSubstr("max_training = 200000"));
 }
 
 TEST_F(MapProgramTest, BadUseAndBadInput) {

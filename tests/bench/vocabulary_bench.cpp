@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "../vocabulary/make_descriptors.h"
 #include "engram/vocabulary/bag_of_words.h"
+#include "engram/vocabulary/view_index.h"
 #include "engram/vocabulary/word_index.h"
 
 #include <benchmark/benchmark.h>
@@ -122,6 +123,83 @@ BENCHMARK(recogniseAndLearn)
     ->ArgsProduct({{static_cast<int>(DescriptorKind::kInt8), static_cast<int>(DescriptorKind::kBinary)},
                    {10000, 100000, 1000000}})
     ->Iterations(20)
+    ->Unit(benchmark::kMillisecond);
+
+/// A vocabulary tree on 200,000 descriptors, and views of 300 features by their words.
+struct Trained {
+  std::vector<base::WordId> pool;  // words of as many descriptors, as often as they occur
+  VocabularyTree tree;
+
+  explicit Trained(Rows& source) : tree(make(source, pool)) {}
+
+  std::vector<base::WordId> view(base::Rng& rng) const {
+    std::vector<base::WordId> words(300);
+    for (auto& word : words) word = pool[rng.below(static_cast<std::uint32_t>(pool.size()))];
+    return words;
+  }
+
+ private:
+  static VocabularyTree make(Rows& source, std::vector<base::WordId>& pool) {
+    Descriptors rows = source.none();
+    for (int i = 0; i < 200000; ++i) source.appendNew(rows);
+    const Descriptors* images[] = {&rows};
+    auto tree = VocabularyTree::train(images, {});
+    pool = tree.wordsOf(rows);
+    return tree;
+  }
+};
+
+/// One image of 300 features against so many views: looked up, asked for the best 15, added, and taken out
+/// again. Arguments: kind, views.
+void recogniseAmongViews(benchmark::State& state) {
+  Rows source(static_cast<DescriptorKind>(state.range(0)));
+  const Trained trained(source);
+  ViewIndex index(trained.tree);
+  for (std::uint32_t i = 0; i < state.range(1); ++i) index.add(base::ViewId(i), trained.view(source.rng()));
+  const auto id = base::ViewId(static_cast<std::uint32_t>(state.range(1)));
+  Descriptors image = source.none();
+  for (int i = 0; i < 300; ++i) source.appendNew(image);
+  double times[4] = {};
+  for (auto _ : state) {
+    auto before = std::chrono::steady_clock::now();
+    const auto took = [&](double& sum) {
+      const auto now = std::chrono::steady_clock::now();
+      sum += std::chrono::duration<double, std::milli>(now - before).count();
+      before = now;
+    };
+    const auto words = index.tree().wordsOf(image);
+    took(times[0]);
+    benchmark::DoNotOptimize(index.query(words));
+    took(times[1]);
+    index.add(id, words);
+    took(times[2]);
+    index.remove(id);
+    took(times[3]);
+  }
+  const char* names[] = {"words_ms", "query_ms", "add_ms", "remove_ms"};
+  for (int i = 0; i < 4; ++i) state.counters[names[i]] = times[i] / static_cast<double>(state.iterations());
+  state.counters["words"] = static_cast<double>(index.tree().words());
+  state.counters["index_MB"] = static_cast<double>(index.bytes()) / 1e6;
+}
+BENCHMARK(recogniseAmongViews)
+    ->ArgNames({"kind", "views"})
+    ->ArgsProduct({{static_cast<int>(DescriptorKind::kInt8), static_cast<int>(DescriptorKind::kBinary)},
+                   {1228, 5000, 20000}})
+    ->Unit(benchmark::kMillisecond);
+
+/// Training on so many descriptors. Arguments: kind, descriptors.
+void trainTree(benchmark::State& state) {
+  Rows source(static_cast<DescriptorKind>(state.range(0)));
+  Descriptors rows = source.none();
+  for (int i = 0; i < state.range(1); ++i) source.appendNew(rows);
+  const Descriptors* images[] = {&rows};
+  for (auto _ : state) benchmark::DoNotOptimize(VocabularyTree::train(images, {}));
+}
+BENCHMARK(trainTree)
+    ->ArgNames({"kind", "descriptors"})
+    ->ArgsProduct({{static_cast<int>(DescriptorKind::kInt8), static_cast<int>(DescriptorKind::kBinary)},
+                   {50000, 200000}})
+    ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
 
 /// A map of so many words to bytes and back.

@@ -80,6 +80,10 @@ class ByteReader {
   std::size_t count(std::size_t itemBytes) {
     return static_cast<std::size_t>(varint(rest_.size() / itemBytes));
   }
+  /// Refuses when fewer bytes are left: to be called before an allocation.
+  void require(std::uint64_t size) const {
+    if (size > rest_.size()) throw base::Error("it is too short");
+  }
   void requireEnd() const {
     if (!rest_.empty()) throw base::Error("it is too long");
   }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "descriptor_distance.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -57,28 +59,31 @@ ENGRAM_INLINE void binaryDistances(const std::uint64_t* query, const std::uint64
   }
 }
 
-ENGRAM_INLINE void distances(const std::byte* query, const Descriptors& rows, float* out) {
-  if (rows.empty()) return;
+ENGRAM_INLINE void distances(const std::byte* query, const Descriptors& rows, std::size_t first,
+                             std::size_t n, float* out) {
+  if (n == 0) return;
   const auto dim = static_cast<std::size_t>(rows.dim());
   switch (rows.kind()) {
     case DescriptorKind::kInt8:
-      return int8Distances(reinterpret_cast<const std::int8_t*>(query), rows.int8(0), rows.size(), dim, out);
+      return int8Distances(reinterpret_cast<const std::int8_t*>(query), rows.int8(first), n, dim, out);
     case DescriptorKind::kFloat:
-      return floatDistances(reinterpret_cast<const float*>(query), rows.floats(0), rows.size(), dim, out);
+      return floatDistances(reinterpret_cast<const float*>(query), rows.floats(first), n, dim, out);
     case DescriptorKind::kBinary:
-      return binaryDistances(reinterpret_cast<const std::uint64_t*>(query), rows.words(0), rows.size(),
+      return binaryDistances(reinterpret_cast<const std::uint64_t*>(query), rows.words(first), n,
                              rows.rowBytes() / 8, out);
   }
 }
 
 #if defined(__x86_64__)
-ENGRAM_AVX2 void distancesAvx2(const std::byte* query, const Descriptors& rows, float* out) {
-  distances(query, rows, out);
+ENGRAM_AVX2 void distancesAvx2(const std::byte* query, const Descriptors& rows, std::size_t first,
+                               std::size_t n, float* out) {
+  distances(query, rows, first, n, out);
 }
 #endif
 
-void distancesPortable(const std::byte* query, const Descriptors& rows, float* out) {
-  distances(query, rows, out);
+void distancesPortable(const std::byte* query, const Descriptors& rows, std::size_t first, std::size_t n,
+                       float* out) {
+  distances(query, rows, first, n, out);
 }
 
 /// Adds up component c of the chosen rows by `get(row, c)`.
@@ -92,14 +97,49 @@ std::vector<T> sums(const Descriptors& rows, const std::vector<std::uint8_t>& ch
   return sum;
 }
 
+/// How often each bit is set in the chosen rows. Eight bits at a time are spread over the bytes of a word,
+/// which hold the sums of up to 255 rows.
+std::vector<int> bitSums(const Descriptors& rows, const std::vector<std::uint8_t>& chosen,
+                         std::uint8_t flag) {
+  static const auto kSpread = [] {
+    std::array<std::uint64_t, 256> table{};
+    for (std::size_t b = 0; b < table.size(); ++b)
+      for (std::size_t bit = 0; bit < 8; ++bit) table[b] |= (std::uint64_t{b} >> bit & 1) << (8 * bit);
+    return table;
+  }();
+  std::vector<std::uint64_t> partial(rows.rowBytes(), 0);
+  std::vector<int> sum(8 * partial.size(), 0);
+  const auto flush = [&] {
+    for (std::size_t c = 0; c < sum.size(); ++c)
+      sum[c] += static_cast<int>(partial[c / 8] >> (8 * (c % 8)) & 0xff);
+    std::fill(partial.begin(), partial.end(), 0);
+  };
+  int pending = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (chosen[i] != flag) continue;
+    const auto row = rows.row(i);
+    for (std::size_t b = 0; b < row.size(); ++b) partial[b] += kSpread[std::to_integer<std::size_t>(row[b])];
+    if (++pending < 255) continue;
+    flush();
+    pending = 0;
+  }
+  flush();
+  return sum;
+}
+
 }  // namespace
 
 void distancesTo(const std::byte* query, const Descriptors& rows, float* out) {
+  distancesTo(query, rows, 0, rows.size(), out);
+}
+
+void distancesTo(const std::byte* query, const Descriptors& rows, std::size_t first, std::size_t n,
+                 float* out) {
 #if defined(__x86_64__)
   static const bool hasAvx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt");
-  if (hasAvx2) return distancesAvx2(query, rows, out);
+  if (hasAvx2) return distancesAvx2(query, rows, first, n, out);
 #endif
-  distancesPortable(query, rows, out);
+  distancesPortable(query, rows, first, n, out);
 }
 
 void meanOf(const Descriptors& rows, const std::vector<std::uint8_t>& chosen, std::uint8_t flag,
@@ -121,9 +161,7 @@ void meanOf(const Descriptors& rows, const std::vector<std::uint8_t>& chosen, st
       return;
     }
     case DescriptorKind::kBinary: {
-      const auto sum = sums<int>(rows, chosen, flag, [&](auto i, auto c) {
-        return static_cast<int>(rows.words(i)[c / 64] >> (c % 64) & 1);
-      });
+      const auto sum = bitSums(rows, chosen, flag);
       for (std::size_t c = 0; c < sum.size(); ++c)
         if (2 * sum[c] > n) reinterpret_cast<std::uint64_t*>(out)[c / 64] |= std::uint64_t{1} << (c % 64);
       return;

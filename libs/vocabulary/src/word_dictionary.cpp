@@ -4,6 +4,7 @@
 
 #include "descriptor_distance.h"
 #include "engram/base/parallel.h"
+#include "layout_text.h"
 #include "two_means.h"
 
 #include <algorithm>
@@ -19,10 +20,6 @@ using types::DescriptorKind;
 using types::Descriptors;
 
 constexpr std::size_t kLevelShare = 5;  // of the budget: a level of the tree; the leaves get all of it
-
-const char* nameOf(DescriptorKind kind) {
-  return kind == DescriptorKind::kBinary ? "bits" : kind == DescriptorKind::kInt8 ? "bytes" : "floats";
-}
 
 }  // namespace
 
@@ -41,8 +38,8 @@ WordDictionary::WordDictionary(const WordParams& params) : params_(params) { bas
 Descriptors WordDictionary::converted(const Descriptors& d) const {
   const bool quantise = kind_ == DescriptorKind::kInt8 && d.kind() == DescriptorKind::kFloat;
   if (dim_ > 0 && ((d.kind() != kind_ && !quantise) || d.dim() != dim_))
-    throw base::Error("the dictionary has words of " + std::to_string(dim_) + ' ' + nameOf(kind_) +
-                      ", the image descriptors of " + std::to_string(d.dim()) + ' ' + nameOf(d.kind()) +
+    throw base::Error("the dictionary has words of " + layoutText(kind_, dim_) +
+                      ", the image descriptors of " + layoutText(d) +
                       ": use the extractor that the map was made with");
   return quantise ? types::quantised(d) : d;
 }
