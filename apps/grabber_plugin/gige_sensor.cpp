@@ -9,7 +9,6 @@
 #include <mrpt/config/CConfigFileBase.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationStereoImages.h>
-#include <mrpt/system/filesystem.h>
 
 #include <chrono>
 #include <iostream>
@@ -71,17 +70,11 @@ void EngramGigECamera::doProcess() {
 
 void EngramGigECamera::hand(types::Frame&& frame) {
   const auto stamp = mrpt::Clock::fromDouble(frame.stamp);
-  const auto name = [&](const std::string& suffix) {
-    std::ostringstream text;
-    text << m_sensorLabel << "_" << std::fixed << frame.stamp << suffix << "." << m_external_images_format;
-    return text.str();
-  };
   if (frame.right.empty()) {
     auto object = mrpt::obs::CObservationImage::Create();
     object->timestamp = stamp;
     object->sensorLabel = m_sensorLabel;
     object->image = mrpt::img::CImage(frame.image, mrpt::img::SHALLOW_COPY);
-    store(object->image, name(""));
     appendObservation(object);
     return;
   }
@@ -91,23 +84,7 @@ void EngramGigECamera::hand(types::Frame&& frame) {
   object->imageLeft = mrpt::img::CImage(frame.image, mrpt::img::SHALLOW_COPY);
   object->imageRight = mrpt::img::CImage(frame.right, mrpt::img::SHALLOW_COPY);
   object->hasImageRight = true;
-  store(object->imageLeft, name("_left"));
-  store(object->imageRight, name("_right"));
   appendObservation(object);
-}
-
-void EngramGigECamera::setPathForExternalImages(const std::string& directory) {
-  m_path_for_external_images = directory;
-  if (!directory.empty() && !mrpt::system::createDirectory(directory))
-    throw base::Error(directory + ": the folder cannot be made");
-}
-
-void EngramGigECamera::store(mrpt::img::CImage& image, const std::string& name) const {
-  if (m_path_for_external_images.empty()) return;
-  const std::string path = m_path_for_external_images + "/" + name;
-  if (!image.saveToFile(path, static_cast<int>(m_external_images_jpeg_quality)))
-    throw base::Error(path + ": cannot be written");
-  image.setExternalStorage(name);
 }
 
 }  // namespace engram::apps

@@ -13,7 +13,9 @@
 namespace engram::apps {
 
 /// Our GigE Vision camera as a sensor of MRPT: `rawlog-grabber -p libengram_gige_camera.so robot.ini` records
-/// it beside all that MRPT knows. The section of the `.ini` file is the one that engram-slam --live takes.
+/// it beside all that MRPT knows. The section of the `.ini` file is the one that engram-slam --live takes; a
+/// section
+/// `.features` needs `rawlog-grabber-ignore = true`. Images lie in the rawlog as MRPT itself stores them.
 class EngramGigECamera final : public mrpt::hwdrivers::CGenericSensor {
   DEFINE_GENERIC_SENSOR(EngramGigECamera)
 
@@ -24,7 +26,6 @@ class EngramGigECamera final : public mrpt::hwdrivers::CGenericSensor {
   void initialize() override;
   /// Hands over all images that have come. Throws when the camera is lost for good.
   void doProcess() override;
-  void setPathForExternalImages(const std::string& directory) override;
 
  protected:
   void loadConfig_sensorSpecific(const mrpt::config::CConfigFileBase& config,
@@ -32,7 +33,6 @@ class EngramGigECamera final : public mrpt::hwdrivers::CGenericSensor {
 
  private:
   void hand(types::Frame&& frame);
-  void store(mrpt::img::CImage& image, const std::string& name) const;
 
   capture::GigeParams params_;
   std::unique_ptr<capture::BoundedQueue<types::Frame>> queue_;

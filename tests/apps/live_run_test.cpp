@@ -6,6 +6,7 @@
 #include "engram/capture/fake_server.h"
 #include "engram/store/map_file.h"
 #include "run_fixture.h"
+#include "tiny_drive.h"
 
 #include <gmock/gmock.h>
 
@@ -23,7 +24,9 @@ namespace fs = std::filesystem;
 /// Shows the first drive, image after image, from where it stood last.
 class Wire {
  public:
-  Wire() : frames_(firstFrames(40)), server_({.rate = 10.0}, frames_[0].image, [this] { return next(); }) {}
+  Wire()
+      : frames_(engram::testing::firstDrive().frames),
+        server_({.rate = 10.0}, frames_[0].image, [this] { return next(); }) {}
 
  private:
   cv::Mat next() { return next_ < frames_.size() ? frames_[next_++].image : cv::Mat(); }
@@ -79,10 +82,10 @@ TEST_F(LiveRun, AReplayOfTheRecordingMakesTheSameMap) {
 TEST_F(LiveRun, LocalisesAndStreamsToStandardOutput) {
   const std::string map = mapCopy();
   const Wire wire;
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   const RunResult r = localize({liveConfig(), "--live", "front", "--map", map, "--stream", "-", "--seconds",
                                 "2", "--report", path("report"), "--json", path("l.json")});
-  const std::string stream = testing::internal::GetCapturedStdout();
+  const std::string stream = ::testing::internal::GetCapturedStdout();
   ASSERT_EQ(r.code, kOk) << r.err;
   EXPECT_EQ(r.out, "");
   EXPECT_THAT(r.err, HasSubstr("ms from exposure to belief"));
@@ -121,7 +124,9 @@ TEST_F(LiveRun, SaysWhatIsWrong) {
   refused({"--live", "front", "--set", "front.gain=hot"}, "'hot' is not a number");
   refused({"--live", "front", "--set", "front.camera=Fake_1", "--set", "front.width=9999"},
           "width = 9999 is refused");
-  refused({"--live", "front", "--set", "front.camera=Fake_1", "--set", "front.odometry=wheels"}, "--plugin");
+  refused({"--live", "front", "--set", "front.camera=Fake_1", "--set", "front.odometry=wheels", "--set",
+           "wheels.driver=CNoSuchSensor"},
+          "[wheels] driver = CNoSuchSensor: MRPT knows no such sensor");
   refused({"--live", "front", "--set", "front.camera=Fake_1", "--stream", path("none/s")}, "--stream");
   refused({}, "--rawlog or --live is missing");
   std::ofstream(path("r.rawlog")) << "precious";

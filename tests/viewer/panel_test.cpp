@@ -10,7 +10,7 @@ namespace {
 
 using types::Outcome;
 
-constexpr cv::Size kSize(640, 760);
+const cv::Size kSize(640, 760);
 
 int pixelsOf(const cv::Mat& panel, const cv::Rect& box, const cv::Scalar& colour, int tolerance = 12) {
   cv::Mat mask;

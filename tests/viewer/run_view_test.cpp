@@ -36,7 +36,9 @@ class VirtualScreen {
     char number[16] = {};
     const auto n = read(ready[0], number, sizeof number - 1);
     close(ready[0]);
-    if (n > 0) setenv("DISPLAY", (":" + std::to_string(std::atoi(number))).c_str(), 1);
+    std::string display = ":";
+    display += std::to_string(n > 0 ? std::atoi(number) : 0);
+    setenv("DISPLAY", display.c_str(), 1);
   }
   ~VirtualScreen() { unsetenv("DISPLAY"); }
 

@@ -44,7 +44,9 @@ struct Reader {
   int descriptor = -1;
   std::deque<std::string> lines;
   std::size_t bytes = 0;    ///< of all lines
-  std::size_t written = 0;  ///< of the first line
+  std::string chunk;        ///< lines on their way: as many as fit in one write, so that a socket takes many
+  std::size_t written = 0;  ///< of the chunk
+  bool idle() const { return lines.empty() && chunk.empty(); }
 };
 
 sockaddr_un addressOf(const std::string& path) {
@@ -162,12 +164,11 @@ class ResultStream::Impl {
     enqueue(readers_.back(), hello_);
   }
 
-  /// What does not fit is dropped, the oldest first; a line that has begun is finished.
+  /// What does not fit is dropped, the oldest first.
   void enqueue(Reader& reader, std::string line) {
-    while (reader.bytes + line.size() > kMaxWaiting && reader.lines.size() > 1) {
-      const auto oldest = reader.lines.begin() + (reader.written > 0 ? 1 : 0);
-      reader.bytes -= oldest->size();
-      reader.lines.erase(oldest);
+    while (reader.bytes + line.size() > kMaxWaiting && !reader.lines.empty()) {
+      reader.bytes -= reader.lines.front().size();
+      reader.lines.pop_front();
       ++missed_;
     }
     reader.bytes += line.size();
@@ -186,7 +187,7 @@ class ResultStream::Impl {
   bool nothingLeft() const {
     const std::lock_guard lock(mutex_);
     for (const auto& reader : readers_)
-      if (!reader.lines.empty()) return false;
+      if (!reader.idle()) return false;
     return true;
   }
 
@@ -198,7 +199,7 @@ class ResultStream::Impl {
     {
       const std::lock_guard lock(mutex_);
       for (const auto& reader : readers_)
-        events.push_back({reader.descriptor, static_cast<short>(reader.lines.empty() ? 0 : POLLOUT), 0});
+        events.push_back({reader.descriptor, static_cast<short>(reader.idle() ? 0 : POLLOUT), 0});
     }
     if (::poll(events.data(), events.size(), milliseconds) <= 0) return;
     std::uint64_t count = 0;
@@ -225,16 +226,20 @@ class ResultStream::Impl {
   }
 
   /// False when the reader has gone.
-  bool writeTo(Reader& reader) {
-    if (reader.lines.empty()) return true;
-    const std::string& line = reader.lines.front();
-    const std::size_t n = std::min(kChunk, line.size() - reader.written);
-    const auto done = ::write(reader.descriptor, line.data() + reader.written, n);
+  static bool writeTo(Reader& reader) {
+    while (!reader.lines.empty() &&
+           (reader.chunk.empty() || reader.chunk.size() + reader.lines.front().size() <= kChunk) &&
+           reader.written == 0) {
+      reader.chunk += reader.lines.front();
+      reader.bytes -= reader.lines.front().size();
+      reader.lines.pop_front();
+    }
+    const std::size_t n = std::min(kChunk, reader.chunk.size() - reader.written);
+    const auto done = ::write(reader.descriptor, reader.chunk.data() + reader.written, n);
     if (done < 0) return errno == EAGAIN || errno == EINTR;
     reader.written += static_cast<std::size_t>(done);
-    if (reader.written < line.size()) return true;
-    reader.bytes -= line.size();
-    reader.lines.pop_front();
+    if (reader.written < reader.chunk.size()) return true;
+    reader.chunk.clear();
     reader.written = 0;
     return true;
   }

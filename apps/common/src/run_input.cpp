@@ -15,6 +15,7 @@
 namespace engram::apps {
 namespace {
 
+constexpr double kGrace = 2.0;  // [s]
 constexpr auto kFlushEvery = std::chrono::milliseconds(500);
 
 double now() {
@@ -53,7 +54,8 @@ void RunInput::open(const RunConfig& config, std::ostream& notices) {
     recorder_ = std::make_unique<sources::RawlogWriter>(recordPath_, params);
     lastFlush_ = std::chrono::steady_clock::now();
   }
-  live_ = std::make_unique<capture::LiveSource>(config.live, [] { return base::interrupted(); });
+  live_ = std::make_unique<capture::LiveSource>(config.live,
+                                                [this] { return base::interrupted() || isOverdue(); });
 }
 
 std::optional<types::Frame> RunInput::next() {
@@ -67,8 +69,17 @@ std::optional<types::Frame> RunInput::next() {
 }
 
 bool RunInput::timeIsUp(const types::Frame& frame) {
-  if (!firstStamp_) firstStamp_ = frame.stamp;
+  if (!firstStamp_) {
+    firstStamp_ = frame.stamp;
+    begun_ = std::chrono::steady_clock::now();
+  }
   return seconds_ > 0 && frame.stamp - *firstStamp_ >= seconds_;
+}
+
+/// The time is up by the clock, but no image has come that says so: the camera is lost.
+bool RunInput::isOverdue() const {
+  if (seconds_ <= 0 || !firstStamp_) return false;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count() > seconds_ + kGrace;
 }
 
 void RunInput::passOn() {

@@ -40,7 +40,7 @@ void RunWindow::after(const types::Frame& frame, const types::FrameReport& repor
 void RunWindow::save(const map::TopologicalMap& map) {
   std::string name;
   for (int n = 1; name.empty() || std::filesystem::exists(name + ".png"); ++n) {
-    char number[16];
+    char number[32];
     std::snprintf(number, sizeof number, "_view_%03d", n);
     name = std::filesystem::path(map_).replace_extension().string() + number;
   }

@@ -54,6 +54,7 @@ class RunInput {
   void record(types::Frame& frame);
   void passOn();
   bool timeIsUp(const types::Frame& frame);
+  bool isOverdue() const;
 
   std::string rawlog_, recordPath_;
   double seconds_ = 0.0;
@@ -66,7 +67,8 @@ class RunInput {
   std::size_t recorded_ = 0;
   std::chrono::steady_clock::time_point lastFlush_;
   std::optional<double> firstStamp_;
-  std::vector<double> latencies_;  // [ms]
+  std::chrono::steady_clock::time_point begun_;  // when the first image was there
+  std::vector<double> latencies_;                // [ms]
   std::ostream* notices_ = nullptr;
 };
 
