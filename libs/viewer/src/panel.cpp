@@ -66,7 +66,7 @@ void drawImage(cv::Mat& panel, const PanelContent& content, const cv::Rect& box)
       if (mark.kind != kind) continue;
       const cv::Point at(cvRound(corner.x + scale * mark.at.x), cvRound(corner.y + scale * mark.at.y));
       const int radius = std::clamp(cvRound(0.3 * scale * mark.size), 2, 10);
-      cv::circle(panel, at, radius, colourOf(kind), kind == Mark::Kind::kUnknown ? 1 : 2, cv::LINE_AA);
+      cv::circle(panel, at, radius, colourOf(kind), 1, cv::LINE_AA);
     }
 }
 

@@ -192,11 +192,11 @@ class RunView::Impl {
 
   /// Shows the whole map when it has grown; leaves the rest to the user's mouse.
   void pointCamera(mrpt::gui::CDisplayWindowGUI& window) {
-    if (scene_->extent() < 1.15f * shownExtent_) return;
+    if (scene_->extent() < 1.05f * shownExtent_) return;
     shownExtent_ = scene_->extent();
     const Eigen::Vector3f centre = scene_->centre();
     window.camera().setCameraPointing(centre.x(), centre.y(), centre.z());
-    window.camera().setZoomDistance(1.6f * shownExtent_);
+    window.camera().setZoomDistance(2.1f * shownExtent_);
   }
 
   const pipeline::PipelineParams params_;
