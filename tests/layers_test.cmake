@@ -17,6 +17,7 @@ foreach(lib upkeep store exporters evaluation)
   set(rank_${lib} 5)
 endforeach()
 set(rank_pipeline 6)
+set(rank_viewer 7)
 
 set(violations 0)
 set(checked 0)

@@ -71,13 +71,6 @@ capture::LiveConfig CameraOptions::load() const {
   return live;
 }
 
-QueueChoice queueFor(const capture::GigeParams& params, bool recording) {
-  const int capacity = params.queue > 0 ? params.queue : recording ? 32 : 2;
-  const bool block = params.when_full == "auto" ? recording : params.when_full == "block";
-  return {static_cast<std::size_t>(capacity),
-          block ? capture::WhenFull::kBlock : capture::WhenFull::kDropOldest};
-}
-
 std::string describe(const capture::CameraSettings& s) {
   char rate[40] = "";
   if (s.frameRate > 0) std::snprintf(rate, sizeof rate, ", %.4g images/s", s.frameRate);

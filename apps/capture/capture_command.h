@@ -3,7 +3,6 @@
 #pragma once
 
 #include "engram/apps/program.h"
-#include "engram/capture/bounded_queue.h"
 #include "engram/capture/grab_stats.h"
 #include "engram/capture/live_config.h"
 
@@ -39,13 +38,6 @@ struct CameraOptions {
   /// Loads the plug-ins too. Throws base::Error.
   capture::LiveConfig load() const;
 };
-
-/// The queue between camera and program that a configuration asks for.
-struct QueueChoice {
-  std::size_t capacity;
-  capture::WhenFull whenFull;
-};
-QueueChoice queueFor(const capture::GigeParams& params, bool recording);
 
 /// "640x480 Mono8, 30 images/s, Aravis Fake GV01 at 127.0.0.1".
 std::string describe(const capture::CameraSettings& settings);

@@ -8,6 +8,7 @@ CaptureProgram::CaptureProgram() {
   commands_.push_back(makeListCommand());
   commands_.push_back(makeRecordCommand());
   commands_.push_back(makeCheckCommand());
+  commands_.push_back(makePreviewCommand());
   commands_.push_back(makeServeCommand());
 }
 

@@ -5,6 +5,7 @@
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
 #include "engram/capture/gige_grabber.h"
+#include "engram/capture/live_source.h"
 #include "engram/capture/recorder.h"
 #include "engram/capture/sensor_reader.h"
 #include "engram/capture/stamp_statistics.h"
@@ -61,7 +62,7 @@ class RecordCommand final : public CaptureCommand {
 
 /// A recording under way.
 struct RecordCommand::Session {
-  Session(const std::string& path, const capture::RecorderParams& params, const QueueChoice& choice)
+  Session(const std::string& path, const capture::RecorderParams& params, const capture::QueueChoice& choice)
       : recorder(path, params), queue(choice.capacity, choice.whenFull) {}
 
   capture::Recorder recorder;
@@ -127,7 +128,7 @@ int RecordCommand::run(std::ostream& out, std::ostream& err) {
   requireFolderOf(json_);
   capture::RecorderParams params = recorder_;
   params.writer.sensor_label = live.camera.sensor_label;
-  Session session(out_, params, queueFor(live.camera, true));
+  Session session(out_, params, capture::queueFor(live.camera, true));
   Queue& queue = session.queue;
   session.grabber = std::make_unique<capture::GigeGrabber>(live.camera, [&queue](types::Frame&& frame) {
     queue.push({std::move(frame), nullptr});

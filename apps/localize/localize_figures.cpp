@@ -67,6 +67,7 @@ void LocalizeFigures::add(const types::FrameReport& report) {
   results_.push_back(result);
   accepted_ += result.accepted;
   learnt_ += report.learnt.size();
+  if (!keepCsv_) return;
 
   const auto id = [](base::PlaceId p) { return p.valid() ? std::to_string(p.value) : std::string(); };
   const types::Hypothesis best = report.hypotheses.empty() ? types::Hypothesis{} : report.hypotheses.front();

@@ -18,7 +18,9 @@ namespace engram::apps {
 /// The answers of a localisation run, held against the truth where there is one.
 class LocalizeFigures {
  public:
-  LocalizeFigures(const map::TopologicalMap& map, const MapTruth* truth) : map_(map), truth_(truth) {}
+  /// @param keepCsv false keeps no lines for csv(): a live run may last for days
+  LocalizeFigures(const map::TopologicalMap& map, const MapTruth* truth, bool keepCsv = true)
+      : map_(map), truth_(truth), keepCsv_(keepCsv) {}
 
   void add(const types::FrameReport& report);
   /// Places that learnt after the last image.
@@ -42,6 +44,7 @@ class LocalizeFigures {
 
   const map::TopologicalMap& map_;
   const MapTruth* truth_;
+  bool keepCsv_;
   std::vector<evaluation::LocalisationResult> results_;
   int accepted_ = 0;
   std::size_t learnt_ = 0;

@@ -20,7 +20,8 @@ namespace engram::apps {
 namespace fs = std::filesystem;
 
 std::string LocalizeProgram::description() const {
-  return "Says where the images of a rawlog were taken in a map. The map does not change, unless --adapt "
+  return "Says where the images of a rawlog or of a live camera were taken in a map. The map does not "
+         "change, unless --adapt "
          "lets its places "
          "learn from what they are verified to look like.";
 }
@@ -30,13 +31,14 @@ std::string LocalizeProgram::examples() const {
          "  engram-localize config/fsh_omni.ini --map office.engram --rawlog day3.rawlog --adapt\n"
          "  engram-localize config/fsh_omni.ini --map office.engram --rawlog test.rawlog --truth "
          "test.truth.tum\n"
-         "  engram-localize config/fsh_mono.ini --map left.engram --rawlog right.rawlog --truth truth.csv\n";
+         "  engram-localize config/fsh_mono.ini --map left.engram --rawlog right.rawlog --truth truth.csv\n"
+         "  engram-localize robot.ini --map office.engram --live front --stream /tmp/engram\n";
 }
 
 void LocalizeProgram::declare(CLI::App& app) {
   config_.declare(app);
   app.add_option("--map", map_, "Map made by engram-slam");
-  app.add_option("--rawlog", rawlog_, "Rawlog with images, and odometry if there is any");
+  input_.declare(app);
   app.add_flag("--adapt", adapt_, "Let recognised places learn; the map file is changed");
   app.add_flag("--global", global_,
                "Forget the belief before every image: global localisation of single images");
@@ -46,6 +48,8 @@ void LocalizeProgram::declare(CLI::App& app) {
   app.add_option("--truth-radius", truthRadius_, "With TUM truth, places this near are right too [m]");
   app.add_option("--out", csv_, "File for one line an image (.csv)");
   app.add_option("--report", report_, "Folder for the record of every image and the summary");
+  stream_.declare(app);
+  window_.declare(app);
   app.add_option("--json", json_, "File for the final figures");
   app.add_flag("--overwrite", overwrite_, "Replace existing output files");
   app.add_flag("-q,--quiet", quiet_, "No progress, no summary");
@@ -53,7 +57,8 @@ void LocalizeProgram::declare(CLI::App& app) {
 
 int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   if (config_.load(out)) return kOk;
-  if (map_.empty() || rawlog_.empty()) throw base::Error("--map and --rawlog are both needed");
+  if (map_.empty() || !input_.given(config_))
+    throw base::Error("--map is needed, and --rawlog or --live: which images shall be located?");
   if (!overwrite_ && !csv_.empty() && fs::exists(csv_))
     throw base::Error(csv_ + " exists; give --overwrite to replace it");
   requireFolderOf(csv_);
@@ -61,7 +66,6 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   makeFolder(report_);
 
   std::optional<store::MapFile> file = store::MapFile::open(map_, store::Access::kReadOnly);
-  const auto source = sources::openRawlog(rawlog_, config_.source);
   pipeline::Localizer localizer(config_.pipeline, file->load(), adapt_);
   store::requireCompatible(file->header(), localizer.header(), map_);
   if (adapt_) {
@@ -74,18 +78,23 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     truth->readPlaces(localizer.map());
   }
 
-  LocalizeFigures figures(localizer.map(), truth ? &*truth : nullptr);
+  stream_.open(map_);
+  window_.open(config_.pipeline, map_, err);
+  input_.open(config_, err);
+
+  LocalizeFigures figures(localizer.map(), truth ? &*truth : nullptr, !csv_.empty());
   std::string records;
   base::Progress progress(quiet_ ? nullptr : &err, "localising");
-  while (!base::interrupted()) {
-    const auto frame = source->next();
-    if (!frame) break;
+  while (const auto frame = input_.next()) {
     if (global_) localizer.restart();
-    const types::FrameReport report = localizer.process(*frame);
+    types::FrameReport report = localizer.process(*frame);
+    input_.annotate(report);
+    stream_.sendLocalised(report, localizer.map());
     if (adapt_) file->commit(localizer.map(), localizer.map().takeChanges(), &report);
     figures.add(report);
+    window_.after(*frame, report, localizer.map());
     if (!report_.empty()) records += store::toJson(report) + "\n";
-    progress.update(source->progress(), static_cast<std::size_t>(figures.images()));
+    progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
   }
   progress.finish();
   if (adapt_) {
@@ -93,24 +102,30 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     file->commit(localizer.map(), localizer.map().takeChanges(), nullptr);
     file->close();
   }
-  return conclude(figures, records, *source, out, err);
+  return conclude(figures, records, out, err);
 }
 
-int LocalizeProgram::conclude(const LocalizeFigures& figures, const std::string& records,
-                              const sources::RawlogSource& source, std::ostream& out,
-                              std::ostream& err) const {
-  const std::string problem = source.problem();
+int LocalizeProgram::conclude(const LocalizeFigures& figures, const std::string& records, std::ostream& out,
+                              std::ostream& err) {
+  input_.close();
+  stream_.close(err);
+  const std::string problem = input_.problem();
   if (figures.images() == 0 && !base::interrupted())
-    throw base::Error(problem.empty() ? rawlog_ + " holds no images" : problem);
+    throw base::Error(problem.empty() ? "no images" : problem);
   if (!csv_.empty()) base::writeText(csv_, figures.csv(), true);
   if (!report_.empty()) {
     base::writeText((fs::path(report_) / "images.jsonl").string(), records, true);
   }
-  writeJson(json_, figures.toJson());
-  if (!quiet_) figures.print(out);
+  auto json = figures.toJson();
+  json["live"] = input_.figures();
+  writeJson(json_, json);
+  if (!quiet_) {
+    figures.print(stream_.summaryTo(out, err));
+    stream_.summaryTo(out, err) << input_.summary();
+  }
   if (!problem.empty()) err << name() << ": " << problem << "\n";
   if (base::interrupted()) err << name() << ": interrupted; the results hold every image up to here\n";
-  return source.whole() && !base::interrupted() ? kOk : kPartial;
+  return input_.exitCode();
 }
 
 }  // namespace engram::apps

@@ -4,13 +4,16 @@
 
 #include "engram/apps/program.h"
 #include "engram/apps/run_config.h"
+#include "engram/apps/run_input.h"
+#include "engram/apps/run_stream.h"
+#include "engram/apps/run_window.h"
 #include "localize_figures.h"
 
 #include <string>
 
 namespace engram::apps {
 
-/// engram-localize: says where the images of a rawlog were taken in a map.
+/// engram-localize: says where the images of a rawlog or a live camera were taken in a map.
 class LocalizeProgram : public Program {
  public:
   std::string name() const override { return "engram-localize"; }
@@ -20,11 +23,14 @@ class LocalizeProgram : public Program {
   int run(std::ostream& out, std::ostream& err) override;
 
  private:
-  int conclude(const LocalizeFigures& figures, const std::string& records,
-               const sources::RawlogSource& source, std::ostream& out, std::ostream& err) const;
+  int conclude(const LocalizeFigures& figures, const std::string& records, std::ostream& out,
+               std::ostream& err);
 
   RunConfig config_;
-  std::string rawlog_, map_, truth_, csv_, report_, json_;
+  RunInput input_;
+  RunStream stream_;
+  RunWindow window_;
+  std::string map_, truth_, csv_, report_, json_;
   double truthRadius_ = 1.0;
   int truthMargin_ = 0;
   bool adapt_ = false, overwrite_ = false, quiet_ = false, global_ = false;

@@ -19,19 +19,22 @@ namespace engram::apps {
 namespace fs = std::filesystem;
 
 std::string SlamProgram::description() const {
-  return "Builds a topological map that remembers and forgets, or extends one, from the images of a rawlog.";
+  return "Builds a topological map that remembers and forgets, or extends one, from the images of a rawlog "
+         "or of a live camera.";
 }
 
 std::string SlamProgram::examples() const {
   return "  engram-slam config/fsh_omni.ini --rawlog day1.rawlog --map office.engram\n"
          "  engram-slam config/fsh_omni.ini --rawlog day2.rawlog --map office.engram --extend\n"
          "  engram-slam config/fsh_mono.ini --rawlog walk.rawlog --set extractor.extractor=akaze\n"
+         "  engram-slam robot.ini --live front --map office.engram --record today.rawlog --stream "
+         "/tmp/engram\n"
          "  engram-slam config/fsh_omni.ini --dump-config\n";
 }
 
 void SlamProgram::declare(CLI::App& app) {
   config_.declare(app);
-  app.add_option("--rawlog", rawlog_, "Rawlog with images, and odometry if there is any");
+  input_.declare(app);
   app.add_option("--map", map_, "Map file to write (default: the rawlog's name with .engram)");
   const auto overwrite = app.add_flag("--overwrite", overwrite_, "Replace an existing map");
   app.add_flag("--extend", extend_, "Go on with an existing map: wake up in it, update and enlarge it")
@@ -42,24 +45,27 @@ void SlamProgram::declare(CLI::App& app) {
   app.add_option("--truth-radius", truthRadius_,
                  "A closure over more than this is false, with TUM truth [m]");
   app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images or links");
+  stream_.declare(app);
+  window_.declare(app);
   app.add_option("--json", json_, "File for the final figures");
   app.add_flag("-q,--quiet", quiet_, "No progress, no summary");
 }
 
 std::string SlamProgram::mapPath() const {
-  return map_.empty() ? fs::path(rawlog_).replace_extension(".engram").string() : map_;
+  if (map_.empty() && input_.rawlog().empty()) throw base::Error("--live needs --map: the file for the map");
+  return map_.empty() ? fs::path(input_.rawlog()).replace_extension(".engram").string() : map_;
 }
 
 int SlamProgram::run(std::ostream& out, std::ostream& err) {
   if (config_.load(out)) return kOk;
-  if (rawlog_.empty()) throw base::Error("--rawlog is missing: which images shall be mapped?");
+  if (!input_.given(config_))
+    throw base::Error("--rawlog or --live is missing: which images shall be mapped?");
   const std::string path = mapPath();
   if (!extend_ && !overwrite_ && fs::exists(path))
     throw base::Error(path + " exists; give --overwrite to replace it or --extend to go on with it");
   requireFolderOf(json_);
   makeFolder(report_);
 
-  const auto source = sources::openRawlog(rawlog_, config_.source);
   std::optional<MapTruth> truth;
   if (!truth_.empty()) truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
   std::optional<store::MapFile> file;
@@ -70,27 +76,31 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     file.reset();  // a map that is refused keeps every byte
     file = store::MapFile::open(path, store::Access::kReadWrite);
   }
+  stream_.open(path);
+  window_.open(config_.pipeline, path, err);
+  input_.open(config_, err);
 
   SlamFigures figures;
   base::Progress progress(quiet_ ? nullptr : &err, "mapping");
-  while (!base::interrupted()) {
-    const auto frame = source->next();
-    if (!frame) break;
-    const types::FrameReport report = mapper.process(*frame);
+  while (const auto frame = input_.next()) {
+    types::FrameReport report = mapper.process(*frame);
+    input_.annotate(report);
+    stream_.sendMapped(report, *frame, mapper.map());
     if (truth) truth->survey(mapper.map(), report);
     if (!file) file = createMap(path, mapper, *frame);
     file->commit(mapper.map(), mapper.map().takeChanges(), &report);
     figures.add(report, mapper.map(), truth ? &*truth : nullptr);
-    progress.update(source->progress(), static_cast<std::size_t>(figures.images()));
+    window_.after(*frame, report, mapper.map());
+    progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
   }
   progress.finish();
   if (figures.images() == 0) {
     if (base::interrupted()) return kPartial;
-    throw base::Error(source->problem().empty() ? rawlog_ + " holds no images" : source->problem());
+    throw base::Error(input_.problem().empty() ? "no images" : input_.problem());
   }
   mapper.finish();
   file->commit(mapper.map(), mapper.map().takeChanges());
-  return conclude(*file, mapper, figures, truth ? &*truth : nullptr, *source, out, err);
+  return conclude(*file, mapper, figures, truth ? &*truth : nullptr, out, err);
 }
 
 store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::Mapper& mapper,
@@ -102,21 +112,28 @@ store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::M
 }
 
 int SlamProgram::conclude(store::MapFile& file, const pipeline::Mapper& mapper, SlamFigures& figures,
-                          const MapTruth* truth, const sources::RawlogSource& source, std::ostream& out,
-                          std::ostream& err) {
+                          const MapTruth* truth, std::ostream& out, std::ostream& err) {
   const map::TopologicalMap& map = mapper.map();
   if (truth && truth->hasPoses())
     figures.setTrajectoryError(trajectoryError(map, mapper.session(), truth->poses()));
   if (!report_.empty()) writeReport(file, map);
   file.close();
+  input_.close();
+  stream_.close(err);
   const auto bytes = fs::file_size(file.path());
-  writeJson(json_, figures.toJson(map, bytes, peakResidentBytes()));
-  if (!quiet_) figures.print(out, map, file.path(), bytes);
+  auto json = figures.toJson(map, bytes, peakResidentBytes());
+  json["live"] = input_.figures();
+  writeJson(json_, json);
+  std::ostream& summary = stream_.summaryTo(out, err);
+  if (!quiet_) {
+    figures.print(summary, map, file.path(), bytes);
+    summary << input_.summary();
+  }
 
-  const std::string problem = source.problem();
+  const std::string problem = input_.problem();
   if (!problem.empty()) err << name() << ": " << problem << "\n";
   if (base::interrupted()) err << name() << ": interrupted; the map holds every image up to here\n";
-  return source.whole() && !base::interrupted() ? kOk : kPartial;
+  return input_.exitCode();
 }
 
 /// Everything a person may want to open, in one folder.

@@ -5,6 +5,9 @@
 #include "engram/apps/map_truth.h"
 #include "engram/apps/program.h"
 #include "engram/apps/run_config.h"
+#include "engram/apps/run_input.h"
+#include "engram/apps/run_stream.h"
+#include "engram/apps/run_window.h"
 #include "engram/pipeline/mapper.h"
 #include "engram/store/map_file.h"
 #include "slam_figures.h"
@@ -14,7 +17,7 @@
 
 namespace engram::apps {
 
-/// engram-slam: builds or extends a map from a rawlog.
+/// engram-slam: builds or extends a map from a rawlog or a live camera.
 class SlamProgram : public Program {
  public:
   std::string name() const override { return "engram-slam"; }
@@ -28,12 +31,14 @@ class SlamProgram : public Program {
   store::MapFile createMap(const std::string& path, const pipeline::Mapper& mapper,
                            const types::Frame& first);
   int conclude(store::MapFile& file, const pipeline::Mapper& mapper, SlamFigures& figures,
-               const MapTruth* truth, const sources::RawlogSource& source, std::ostream& out,
-               std::ostream& err);
+               const MapTruth* truth, std::ostream& out, std::ostream& err);
   void writeReport(const store::MapFile& file, const map::TopologicalMap& map) const;
 
   RunConfig config_;
-  std::string rawlog_, map_, report_, truth_, json_;
+  RunInput input_;
+  RunStream stream_;
+  RunWindow window_;
+  std::string map_, report_, truth_, json_;
   double truthRadius_ = 2.0;
   int truthMargin_ = 0;
   bool overwrite_ = false, extend_ = false, quiet_ = false;

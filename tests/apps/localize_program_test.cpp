@@ -123,7 +123,7 @@ TEST_F(LocalizeTest, UsageErrorsAndHelp) {
   EXPECT_THAT(help.out, AllOf(HasSubstr("Examples"), HasSubstr("Exit codes"), HasSubstr("--adapt")));
   const RunResult missing = localize({config(), "--rawlog", rawlog(2)});
   EXPECT_EQ(missing.code, kError);
-  EXPECT_THAT(missing.err, HasSubstr("--map and --rawlog are both needed"));
+  EXPECT_THAT(missing.err, HasSubstr("--map is needed, and --rawlog or --live"));
 }
 
 TEST_F(LocalizeTest, BadInputIsNamed) {

@@ -118,7 +118,7 @@ TEST_F(SlamTest, UsageErrorsAndHelp) {
   const RunResult help = slam({"--help"});
   EXPECT_EQ(help.code, kOk);
   EXPECT_THAT(help.out, AllOf(HasSubstr("Examples"), HasSubstr("Exit codes"), HasSubstr("--extend")));
-  EXPECT_THAT(refusal({config()}), HasSubstr("--rawlog is missing"));
+  EXPECT_THAT(refusal({config()}), HasSubstr("--rawlog or --live is missing"));
 }
 
 TEST_F(SlamTest, BadConfigurationIsNamedWithFileLineSectionAndKey) {

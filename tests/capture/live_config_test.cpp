@@ -27,6 +27,7 @@ exposure_us = 1500
 odometry = wheels
 process_rate = 40
 [front.features]
+rawlog-grabber-ignore = true
 BlackLevel = 3
 GainAuto = Off
 [wheels]

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/apps/run_config.h"
 
+#include "engram/capture/sensor_reader.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <ostream>
@@ -12,6 +14,13 @@ namespace fs = std::filesystem;
 void RunConfig::declare(CLI::App& app) {
   options.declare(app);
   app.add_option("--camera", cameraFile, "Calibration file, instead of [camera] file of the configuration");
+  app.add_option("--live", liveSection,
+                 "Section of the configuration that describes a live GigE Vision camera")
+      ->type_name("SECTION");
+  app.add_option("--plugin", plugins, "Shared library with further MRPT sensors, for --live (repeatable)")
+      ->take_all()
+      ->allow_extra_args(false)
+      ->type_name("FILE");
 }
 
 void RunConfig::bind(base::Config& config) {
@@ -28,13 +37,23 @@ bool RunConfig::load(std::ostream& out) {
       std::any_of(options.overrides.begin(), options.overrides.end(), isCamera) || !cameraFile.empty();
   for (const auto& assignment : options.overrides) ini.override(assignment);
   if (!cameraFile.empty()) ini.override("camera.file=" + cameraFile);
+  if (!liveSection.empty()) {
+    capture::loadSensorPlugins(plugins);
+    live = capture::takeLiveConfig(ini, liveSection);
+  }
+  capture::dropSensors(ini);
   config.read(ini);
 
   auto& file = pipeline.camera.file;
   if (!file.empty() && !cameraOverridden && fs::path(file).is_relative())
     file = (fs::path(options.file).parent_path() / file).lexically_normal().string();
-  if (options.dump) out << config.dump();
-  return options.dump;
+  if (!options.dump) return false;
+  out << config.dump();
+  if (liveSection.empty()) return true;
+  base::Config camera;
+  camera.bind(liveSection, live.camera);
+  out << camera.dump();
+  return true;
 }
 
 std::string RunConfig::dumpForMap() const {

@@ -9,6 +9,9 @@
 namespace engram::capture {
 namespace {
 
+/// MRPT's mark of a section that rawlog-grabber is to pass over.
+constexpr const char* kNoSensor = "rawlog-grabber-ignore";
+
 std::vector<std::string> sectionNames(const base::IniFile& ini) {
   std::vector<std::string> names;
   for (const auto& [name, section] : ini.sections()) names.push_back(name);
@@ -35,7 +38,8 @@ LiveConfig takeLiveConfig(base::IniFile& ini, const std::string& name, bool opti
   config.read(alone);
   ini.take(name);
   if (const auto features = ini.take(name + ".features"))
-    for (const auto& [key, value] : *features) live.camera.features.emplace_back(key, value.text);
+    for (const auto& [key, value] : *features)
+      if (key != kNoSensor) live.camera.features.emplace_back(key, value.text);
   if (live.camera.odometry.empty()) return live;
   const auto odometry = ini.take(live.camera.odometry);
   if (!odometry)

@@ -31,9 +31,9 @@ GzArchive::~GzArchive() {
   ::close(descriptor_);
 }
 
-void GzArchive::flush() {
+void GzArchive::flush(bool sync) {
   errno = 0;
-  if (dirty_ && (gzflush(file_, Z_FINISH) != Z_OK || ::fdatasync(descriptor_) != 0))
+  if (dirty_ && (gzflush(file_, Z_FINISH) != Z_OK || (sync && ::fdatasync(descriptor_) != 0)))
     failWriting(path_, errno != 0 ? errno : EIO);
   if (dirty_) whole_ = size();
   dirty_ = false;

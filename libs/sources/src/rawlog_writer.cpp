@@ -102,7 +102,7 @@ class RawlogWriter::Impl {
   }
 
   void flush() {
-    writeWhole([&] { out_->flush(); });
+    writeWhole([&] { out_->flush(params_.sync); });
     framesSafe_ = frames_;
   }
 

@@ -91,6 +91,15 @@ FrameReport decode(const Json& j) {
   const Json times = j.value("times", Json::object());
   for (const auto& [step, ms] : times.items()) r.times.push_back({step, ms.get<double>()});
   read(j, "ms", r.milliseconds);
+  if (const auto live = j.find("live"); live != j.end()) {
+    requireObject(*live, "'live'");
+    auto& l = r.live.emplace();
+    read(*live, "latency_ms", l.latency);
+    read(*live, "waiting", l.waiting);
+    read(*live, "incomplete", l.incomplete);
+    read(*live, "missed", l.missed);
+    read(*live, "dropped", l.dropped);
+  }
   return r;
 }
 
@@ -123,6 +132,12 @@ std::string toJson(const FrameReport& r, bool withTimes) {
     j["times"] = Json::object();
     for (const auto& t : r.times) j["times"][t.step] = rounded(t.milliseconds);
     j["ms"] = rounded(r.milliseconds);
+    if (r.live)
+      j["live"] = {{"latency_ms", rounded(r.live->latency)},
+                   {"waiting", r.live->waiting},
+                   {"incomplete", r.live->incomplete},
+                   {"missed", r.live->missed},
+                   {"dropped", r.live->dropped}};
   }
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

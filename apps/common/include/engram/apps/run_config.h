@@ -3,8 +3,12 @@
 #pragma once
 
 #include "engram/apps/program.h"
+#include "engram/capture/live_config.h"
 #include "engram/pipeline/params.h"
 #include "engram/sources/rawlog_source.h"
+
+#include <string>
+#include <vector>
 
 namespace engram::apps {
 
@@ -14,6 +18,9 @@ struct RunConfig {
   std::string cameraFile;  ///< --camera
   pipeline::PipelineParams pipeline;
   sources::RawlogParams source;
+  std::string liveSection;  ///< --live; empty: none
+  std::vector<std::string> plugins;
+  capture::LiveConfig live;
 
   void declare(CLI::App& app);
   /// True when --dump-config was served and the program is to stop.

@@ -21,6 +21,7 @@ struct RawlogWriterParams {
   bool external_images = false;  ///< as files in `<rawlog name>_Images` instead of inside the rawlog
   bool overwrite = false;        ///< replace an existing rawlog (and its folder of images)
   bool live = false;             ///< what is written cannot be made again: keep it whatever happens
+  bool sync = true;  ///< flush() waits for the disk; false: for the system alone, which outlives this program
 };
 
 /// Writes frames as a gzip rawlog of observations: for each frame CObservationOdometry where there is

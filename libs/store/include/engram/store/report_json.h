@@ -14,11 +14,11 @@ namespace engram::store {
 ///     place, best_guess (null when invalid), best_guess_interpolated, new_place_probability,
 ///     hypotheses [{place, similarity, posterior, inliers}], closure,
 ///     memory {rehearsed, added, pruned, promoted, demoted, long_term, short_term},
-///     times {step: ms, …}, ms
+///     times {step: ms, …}, ms, and of live work: live {latency_ms, waiting, incomplete, missed, dropped}
 ///
 /// Probabilities, similarities and times have six decimals. Numbers that are not finite become null. Bytes
 /// that are not UTF-8 become U+FFFD.
-/// @param withTimes false leaves out `times` and `ms`, the only values that differ between equal runs.
+/// @param withTimes false leaves out `times`, `ms` and `live`, the only values that differ between equal runs.
 std::string toJson(const types::FrameReport& report, bool withTimes = true);
 
 /// The reverse. Missing keys keep their defaults, unknown ones are skipped, null numbers are NaN.

@@ -4,7 +4,9 @@
 
 #include "engram/base/ids.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,14 @@ struct MemoryChange {
   MemoryChange& operator+=(const MemoryChange& o);
 };
 
+/// What live work knows of an image besides.
+struct LiveState {
+  double latency = 0.0;     ///< from the exposure to the belief [ms]
+  std::size_t waiting = 0;  ///< images in the queue then
+  /// Images lost so far: arrived with packets missing; never seen; dropped by the queue.
+  std::size_t incomplete = 0, missed = 0, dropped = 0;
+};
+
 /// The record of one image: every step's decision. One line of the report file.
 struct FrameReport {
   std::uint64_t index = 0;  ///< Frame::index
@@ -62,6 +72,7 @@ struct FrameReport {
   };
   std::vector<StepTime> times;  ///< wall time of each step, in order
   double milliseconds = 0.0;    ///< wall time of the whole image
+  std::optional<LiveState> live;
 };
 
 }  // namespace engram::types

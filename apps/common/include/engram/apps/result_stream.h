@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/types/frame_report.h"
+
+#include <Eigen/Geometry>
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace engram::apps {
+
+/// Where an image was taken, for other programs.
+struct StreamPose {
+  Eigen::Vector3d position;       ///< in the map frame [m]
+  std::optional<double> heading;  ///< [rad]; none when it is not known
+};
+
+/// One line of the stream, without line break: an object with the keys
+///
+///     index, stamp [s], outcome (as in FrameReport), place, best_guess (null when there is none),
+///     pose {x, y, z [m], heading_deg (null when unknown)} or null, belief [{place, probability}] best first,
+///     new_place (probability), inliers (null when nothing was verified), latency_ms (null for a rawlog)
+std::string streamLine(const types::FrameReport& report, const std::optional<StreamPose>& pose);
+
+/// Lines for other programs, on standard output or to all that connect to a Unix socket. A reader that is
+/// slow or stuck misses lines; it never holds up the writer.
+class ResultStream {
+ public:
+  /// @param target "-" is standard output; else the path of the socket, which is made, and removed at the end
+  /// @param hello first line for each reader
+  /// Throws base::Error when the path exists and is no abandoned socket, or cannot be used.
+  ResultStream(const std::string& target, const std::string& hello);
+  /// Gives readers half a second to take what is left.
+  ~ResultStream();
+  ResultStream(const ResultStream&) = delete;
+  ResultStream& operator=(const ResultStream&) = delete;
+
+  /// Returns at once.
+  void send(const std::string& line);
+
+  std::size_t readers() const;
+  /// Lines that some reader missed.
+  std::size_t missed() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace engram::apps

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/apps/pose_tracker.h"
+#include "engram/apps/result_stream.h"
+#include "engram/map/topological_map.h"
+#include "engram/types/frame.h"
+#include "engram/types/frame_report.h"
+
+#include <CLI/CLI.hpp>
+
+#include <iosfwd>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace engram::apps {
+
+/// --stream: what a run finds, for other programs.
+class RunStream {
+ public:
+  void declare(CLI::App& app);
+  /// @param map path of the map, for the first line
+  void open(const std::string& map);
+
+  /// A mapping run: the pose is that of the robot's path.
+  void sendMapped(const types::FrameReport& report, const types::Frame& frame,
+                  const map::TopologicalMap& map);
+  /// A localising run: the pose is that of the place where the image was recognised, its heading is not
+  /// known.
+  void sendLocalised(const types::FrameReport& report, const map::TopologicalMap& map);
+
+  /// Where a summary for people goes: standard output is taken when the stream goes there.
+  std::ostream& summaryTo(std::ostream& out, std::ostream& err) const { return target_ == "-" ? err : out; }
+  /// Ends the stream; says how many lines readers missed.
+  void close(std::ostream& err);
+
+ private:
+  std::string target_;
+  std::unique_ptr<ResultStream> stream_;
+  PoseTracker tracker_;
+};
+
+}  // namespace engram::apps

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/apps/run_stream.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <ostream>
+
+namespace engram::apps {
+namespace {
+
+constexpr int kStreamVersion = 1;
+
+double headingOf(const Eigen::Isometry3d& T) { return std::atan2(T.linear()(1, 0), T.linear()(0, 0)); }
+
+}  // namespace
+
+void RunStream::declare(CLI::App& app) {
+  app.add_option("--stream", target_,
+                 "Send belief and pose of every image to other programs, as JSON lines: - is "
+                 "standard output, a path a Unix socket")
+      ->type_name("-|PATH");
+}
+
+void RunStream::open(const std::string& map) {
+  if (target_.empty()) return;
+  const nlohmann::ordered_json hello = {{"stream", "engram"}, {"version", kStreamVersion}, {"map", map}};
+  stream_ = std::make_unique<ResultStream>(
+      target_, hello.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+void RunStream::sendMapped(const types::FrameReport& report, const types::Frame& frame,
+                           const map::TopologicalMap& map) {
+  if (!stream_) return;
+  std::optional<Eigen::Isometry3d> fix;
+  if (!map.path().empty() && map.path().back().stamp == frame.stamp) fix = map.T_map_robot(map.path().back());
+  tracker_.update(fix, frame.T_odom_robot);
+  std::optional<StreamPose> pose;
+  if (const auto& T = tracker_.T_map_robot()) pose = {T->translation(), headingOf(*T)};
+  stream_->send(streamLine(report, pose));
+}
+
+void RunStream::sendLocalised(const types::FrameReport& report, const map::TopologicalMap& map) {
+  if (!stream_) return;
+  std::optional<StreamPose> pose;
+  if (report.outcome == types::Outcome::kRecognised)
+    pose = {map.place(report.place).T_map_place.translation(), std::nullopt};
+  stream_->send(streamLine(report, pose));
+}
+
+void RunStream::close(std::ostream& err) {
+  if (!stream_) return;
+  const std::size_t missed = stream_->missed();
+  stream_.reset();
+  if (missed > 0) err << "--stream " << target_ << ": slow readers missed " << missed << " lines\n";
+}
+
+}  // namespace engram::apps

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/apps/result_stream.h"
+
+#include "engram/apps/pose_tracker.h"
+#include "engram/base/error.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <thread>
+#include <unistd.h>
+
+namespace engram::apps {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+/// A program that reads the stream.
+class Client {
+ public:
+  explicit Client(const std::string& path) : socket_(::socket(AF_UNIX, SOCK_STREAM, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    const timeval patience{5, 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  }
+  ~Client() { ::close(socket_); }
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  /// The next line; empty when the stream has ended.
+  std::string line() {
+    std::size_t end;
+    while ((end = buffer_.find('\n')) == std::string::npos) {
+      char chunk[4096];
+      const auto n = ::read(socket_, chunk, sizeof chunk);
+      if (n <= 0) return {};
+      buffer_.append(chunk, static_cast<std::size_t>(n));
+    }
+    std::string result = buffer_.substr(0, end);
+    buffer_.erase(0, end + 1);
+    return result;
+  }
+
+ private:
+  int socket_;
+  std::string buffer_;
+};
+
+class ResultStreamTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "engram_stream_XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string socket() const { return folder_ + "/s"; }
+  static void waitForReaders(const ResultStream& stream, std::size_t n) {
+    while (stream.readers() != n) std::this_thread::sleep_for(1ms);
+  }
+
+  std::string folder_;
+};
+
+TEST_F(ResultStreamTest, EveryReaderGetsEveryLine) {
+  std::vector<std::unique_ptr<Client>> clients;
+  {
+    ResultStream stream(socket(), "hello");
+    for (int i = 0; i < 3; ++i) clients.push_back(std::make_unique<Client>(socket()));
+    waitForReaders(stream, 3);
+    for (int i = 0; i < 500; ++i) stream.send("line " + std::to_string(i));
+    EXPECT_EQ(stream.missed(), 0u);
+  }
+  for (auto& client : clients) {
+    EXPECT_EQ(client->line(), "hello");
+    for (int i = 0; i < 500; ++i) ASSERT_EQ(client->line(), "line " + std::to_string(i));
+    EXPECT_EQ(client->line(), "");
+  }
+  EXPECT_FALSE(fs::exists(socket()));
+}
+
+TEST_F(ResultStreamTest, AStuckReaderHoldsUpNobody) {
+  ResultStream stream(socket(), "hello");
+  Client stuck(socket()), quick(socket());
+  waitForReaders(stream, 2);
+  const std::string tail(990, 'x');
+  double longest = 0.0;
+  for (int i = 0; i < 3000; ++i) {  // 3 MB: far more than any buffer on the way
+    const auto start = std::chrono::steady_clock::now();
+    stream.send(std::to_string(i) + tail);
+    longest =
+        std::max(longest, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    if (i == 0) {
+      EXPECT_EQ(quick.line(), "hello");
+    }
+    ASSERT_EQ(quick.line(), std::to_string(i) + tail);
+  }
+  EXPECT_LT(longest, 1.0);  // it does not wait for the stuck one, which would be for ever
+  EXPECT_GT(stream.missed(), 100u);
+  // What the stuck one reads in the end are whole lines, in order, with gaps.
+  EXPECT_EQ(stuck.line(), "hello");
+  int last = -1;
+  while (last < 2999) {
+    const std::string line = stuck.line();
+    ASSERT_GT(line.size(), 990u);
+    ASSERT_EQ(line.substr(line.size() - 990), tail);
+    const int number = std::stoi(line);
+    ASSERT_GT(number, last);
+    last = number;
+  }
+}
+
+TEST_F(ResultStreamTest, ReadersComeAndGo) {
+  ResultStream stream(socket(), "hello");
+  stream.send("nobody hears this");
+  {
+    Client first(socket());
+    EXPECT_EQ(first.line(), "hello");
+    stream.send("one");
+    EXPECT_EQ(first.line(), "one");
+  }
+  waitForReaders(stream, 0);
+  stream.send("two");
+  Client second(socket());
+  EXPECT_EQ(second.line(), "hello");
+  stream.send("three");
+  EXPECT_EQ(second.line(), "three");
+}
+
+TEST_F(ResultStreamTest, TakesOverASocketOfACrashedProgramOnly) {
+  const auto refusal = [](const std::string& target) -> std::string {
+    try {
+      const ResultStream stream(target, "hello");
+    } catch (const base::Error& e) {
+      return e.what();
+    }
+    return {};
+  };
+  {
+    const ResultStream alive(socket(), "hello");
+    EXPECT_THAT(refusal(socket()), HasSubstr("another program streams there"));
+  }
+  const int abandoned = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  socket().copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(::bind(abandoned, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ::close(abandoned);
+  EXPECT_TRUE(fs::exists(socket()));
+  EXPECT_EQ(refusal(socket()), "");
+  std::ofstream(folder_ + "/file") << "precious";
+  EXPECT_THAT(refusal(folder_ + "/file"), HasSubstr("is no socket"));
+  EXPECT_THAT(refusal(folder_ + "/none/s"), HasSubstr("--stream " + folder_ + "/none/s: No such file"));
+  EXPECT_THAT(refusal(std::string(200, 'x')), HasSubstr("too long"));
+}
+
+TEST(StreamLine, HasTheDocumentedKeys) {
+  types::FrameReport report;
+  report.index = 7;
+  report.stamp = 1700000000.5;
+  report.outcome = types::Outcome::kRecognised;
+  report.place = report.bestGuess = base::PlaceId(3);
+  report.hypotheses = {{base::PlaceId(3), 0.8, 0.75, 44}, {base::PlaceId(9), 0.2, 0.125, -1}};
+  report.newPlaceProbability = 0.0625;
+  report.live.emplace().latency = 17.25;
+  const StreamPose pose{{1.5, -2.0, 0.0}, std::numbers::pi / 2};
+  EXPECT_EQ(streamLine(report, pose),
+            R"({"index":7,"stamp":1700000000.5,"outcome":"recognised","place":3,"best_guess":3,)"
+            R"("pose":{"x":1.5,"y":-2.0,"z":0.0,"heading_deg":90.0},)"
+            R"("belief":[{"place":3,"probability":0.75},{"place":9,"probability":0.125}],)"
+            R"("new_place":0.0625,"inliers":44,"latency_ms":17.25})");
+  EXPECT_EQ(
+      streamLine({}, std::nullopt),
+      R"({"index":0,"stamp":0.0,"outcome":"skipped","place":null,"best_guess":null,"pose":null,"belief":[],)"
+      R"("new_place":0.0,"inliers":null,"latency_ms":null})");
+  EXPECT_EQ(nlohmann::json::parse(streamLine({}, StreamPose{{0, 0, 0}, std::nullopt}))["pose"]["heading_deg"],
+            nullptr);
+}
+
+Eigen::Isometry3d pose(double x, double y, double yaw) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = Eigen::Vector3d(x, y, 0);
+  T.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return T;
+}
+
+TEST(PoseTracker, CarriesAFixOnByOdometry) {
+  // The odometry frame lies anywhere in the map.
+  const Eigen::Isometry3d T_map_odom = pose(10, -3, 0.7);
+  PoseTracker tracker;
+  EXPECT_FALSE(tracker.T_map_robot());
+  tracker.update(std::nullopt, pose(0, 0, 0));
+  EXPECT_FALSE(tracker.T_map_robot());
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Isometry3d odom = pose(0.1 * i, 0.02 * i, 0.05 * i);
+    const bool found = i % 10 == 0;
+    tracker.update(found ? std::optional(T_map_odom * odom) : std::nullopt, odom);
+    ASSERT_TRUE(tracker.T_map_robot());
+    EXPECT_TRUE(tracker.T_map_robot()->isApprox(T_map_odom * odom, 1e-9)) << i;
+  }
+}
+
+TEST(PoseTracker, DoesNotGuessWithoutOdometry) {
+  PoseTracker tracker;
+  tracker.update(pose(1, 2, 0), std::nullopt);
+  EXPECT_TRUE(tracker.T_map_robot());
+  tracker.update(std::nullopt, pose(0, 0, 0));
+  EXPECT_FALSE(tracker.T_map_robot());  // nobody knows how far it went since
+  tracker.update(pose(1, 2, 0), pose(0, 0, 0));
+  tracker.update(std::nullopt, std::nullopt);
+  EXPECT_FALSE(tracker.T_map_robot());
+}
+
+}  // namespace
+}  // namespace engram::apps
