@@ -16,7 +16,9 @@ std::string EvalProgram::examples() const {
          "  engram-eval images --config config/fsh_mono.ini --reference day_left --query day_right "
          "--truth truth.csv --out gardens\n"
          "  engram-eval tours --out tours --json tours.json\n"
-         "  engram-eval words --images walk --truth truth.csv --out words --json words.json\n";
+         "  engram-eval words --images walk --truth truth.csv --out words --json words.json\n"
+         "  engram-eval odometry --rawlog office/session_01.rawlog --camera office/camera.ini --truth "
+         "office/session_01.truth.tum --out vo\n";
 }
 
 void EvalProgram::declare(CLI::App& app) {
@@ -30,11 +32,14 @@ void EvalProgram::declare(CLI::App& app) {
   tours_.declare(*toursApp_);
   wordsApp_ = app.add_subcommand("words", "Loop closures by visual words, on images with ground truth");
   words_.declare(*wordsApp_);
+  odometryApp_ = app.add_subcommand("odometry", "Visual odometry from a stereo camera, drift and time");
+  odometry_.declare(*odometryApp_);
 }
 
 int EvalProgram::run(std::ostream& out, std::ostream& err) {
   if (toursApp_->parsed()) return tours_.run(out, err);
   if (wordsApp_->parsed()) return words_.run(out, err);
+  if (odometryApp_->parsed()) return odometry_.run(out, err);
   return imagesApp_->parsed() ? images_.run(out, err) : memory_.run(out, err);
 }
 

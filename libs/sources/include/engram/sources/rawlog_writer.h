@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/cameras/stereo_rig.h"
 #include "engram/types/frame.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace engram::sources {
@@ -14,7 +16,8 @@ struct RawlogWriterParams {
   std::string odometry_label = "ODOMETRY";
   int jpeg_quality = 90;         ///< 1 … 100
   bool external_images = false;  ///< as files in `<rawlog name>_Images` instead of inside the rawlog
-  bool overwrite = false;        ///< replace an existing rawlog (and its folder of images)
+  std::optional<cameras::StereoRig> stereo;  ///< calibration to write with stereo pairs
+  bool overwrite = false;                    ///< replace an existing rawlog (and its folder of images)
 };
 
 /// Writes frames as a gzip rawlog of observations: for each frame CObservationOdometry where there is
