@@ -17,7 +17,9 @@ std::string EvalProgram::examples() const {
          "--truth truth.csv --out gardens\n"
          "  engram-eval tours --out tours --json tours.json\n"
          "  engram-eval words --images walk --truth truth.csv --out loops --json loops.json\n"
-         "  engram-eval words --out words --json words.json\n";
+         "  engram-eval words --out words --json words.json\n"
+         "  engram-eval odometry --rawlog office/session_01.rawlog --camera office/camera.ini --truth "
+         "office/session_01.truth.tum --out vo\n";
 }
 
 void EvalProgram::declare(CLI::App& app) {
@@ -34,11 +36,14 @@ void EvalProgram::declare(CLI::App& app) {
       "Maps and localisation by visual words and odometry, on the simulator; or, with --images, "
       "loop closures on images with ground truth");
   words_.declare(*wordsApp_);
+  odometryApp_ = app.add_subcommand("odometry", "Visual odometry from a stereo camera, drift and time");
+  odometry_.declare(*odometryApp_);
 }
 
 int EvalProgram::run(std::ostream& out, std::ostream& err) {
   if (toursApp_->parsed()) return tours_.run(out, err);
   if (wordsApp_->parsed()) return words_.run(out, err);
+  if (odometryApp_->parsed()) return odometry_.run(out, err);
   return imagesApp_->parsed() ? images_.run(out, err) : memory_.run(out, err);
 }
 

@@ -5,6 +5,7 @@
 #include "engram/apps/program.h"
 #include "images_command.h"
 #include "memory_command.h"
+#include "odometry_command.h"
 #include "tours_command.h"
 #include "words_command.h"
 
@@ -27,6 +28,8 @@ class EvalProgram : public Program {
   CLI::App* toursApp_ = nullptr;
   WordsCommand words_;
   CLI::App* wordsApp_ = nullptr;
+  OdometryCommand odometry_;
+  CLI::App* odometryApp_ = nullptr;
 };
 
 }  // namespace engram::apps

@@ -58,7 +58,7 @@ class InfoCommand final : public RawlogCommand {
   int run(std::ostream& out, std::ostream& err) override;
 
  private:
-  void print(std::ostream& out, const sources::RawlogStats& stats, const ImageSummary& images) const;
+  void print(std::ostream& out, const sources::RawlogSource& source, const ImageSummary& images) const;
   nlohmann::json figures(const sources::RawlogStats& stats, const ImageSummary& images) const;
 
   CommonOptions common_;
@@ -78,16 +78,18 @@ int InfoCommand::run(std::ostream& out, std::ostream& err) {
       progress.update(source->progress(), images.images);
     }
   }
-  print(out, source->stats(), images);
+  print(out, *source, images);
   auto json = figures(source->stats(), images);
+  json["stereo_calibration"] = source->calibration().has_value();
   json["damage"] = source->damage();
   json["problem"] = source->problem();
   writeJson(common_.json, json);
   return finish(source->problem(), source->whole(), base::interrupted(), err);
 }
 
-void InfoCommand::print(std::ostream& out, const sources::RawlogStats& stats,
+void InfoCommand::print(std::ostream& out, const sources::RawlogSource& source,
                         const ImageSummary& images) const {
+  const auto& stats = source.stats();
   out << path_ << ": " << std::filesystem::file_size(path_) << " bytes\n";
   for (const auto& [name, labels] : stats.objects)
     for (const auto& [label, n] : labels)
@@ -99,6 +101,11 @@ void InfoCommand::print(std::ostream& out, const sources::RawlogStats& stats,
     out << (images.stereo > 0 ? ", stereo" : "") << (images.grey > 0 ? ", grey" : ", colour") << ", "
         << fixed(images.rate(), 2) << " per second, " << images.withOdometry << " with odometry\n";
   }
+  if (const auto& rig = source.calibration())
+    out << "  calibrated stereo camera, baseline " << fixed(rig->T_left_right().translation().norm(), 4)
+        << " m\n";
+  else if (images.stereo > 0)
+    out << "  stereo camera without calibration\n";
   if (stats.odometry > 0)
     out << "  odometry: " << stats.odometry << " readings, path " << fixed(stats.pathLength, 2) << " m\n";
   if (stats.lastStamp > stats.firstStamp)

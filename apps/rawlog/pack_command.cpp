@@ -1,16 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
 #include "engram/base/rng.h"
 #include "engram/cameras/equirectangular.h"
+#include "engram/cameras/stereo_rig.h"
 #include "engram/sources/image_folder_source.h"
+#include "engram/sources/image_pairs.h"
 #include "engram/sources/rawlog_writer.h"
 #include "rawlog_program.h"
 #include "reprojector.h"
+#include "stereo_import.h"
 
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <cmath>
@@ -47,6 +52,8 @@ class PackCommand final : public RawlogCommand {
   std::string examples() const override {
     return "  engram-rawlog pack --images photos --out walk.rawlog\n"
            "  engram-rawlog pack --images photos --csv photos/frames.csv --out walk.rawlog\n"
+           "  engram-rawlog pack --images 'euroc/*_0.jpg' --right 'euroc/*_1.jpg' --stamps names "
+           "--camera cam0.yaml,cam1.yaml --out euroc.rawlog\n"
            "  engram-rawlog pack --images panoramas --reproject share/cameras/omni_world.ini --heading "
            "random "
            "--seed 3 --out walk.rawlog\n";
@@ -57,11 +64,13 @@ class PackCommand final : public RawlogCommand {
  private:
   void prepare();
   types::Frame convert(types::Frame frame);
+  void loadCalibration();
   void makeReprojector(cv::Size size);
+  void checkCalibration(const types::Frame& frame) const;
   double nextHeading();
 
   CommonOptions common_;
-  std::string images_, csv_, camera_, reproject_, heading_ = "0", size_, out_, saveCamera_;
+  std::string images_, right_, stamps_, csv_, camera_, reproject_, heading_ = "0", size_, out_, saveCamera_;
   std::uint64_t seed_ = 1;
   double rate_ = 1.0;
   sources::RawlogWriterParams writer_;
@@ -75,14 +84,29 @@ class PackCommand final : public RawlogCommand {
 };
 
 void PackCommand::declare(CLI::App& app) {
-  app.add_option("--images", images_, "Folder of images, taken in natural order")
+  app.add_option("--images", images_,
+                 "Folder of images, or folder and pattern (cam/*_0.jpg); taken in natural order")
       ->required()
       ->type_name("DIR");
+  auto* right =
+      app.add_option("--right", right_,
+                     "The same for the right eye of a stereo camera; paired with the left images by the "
+                     "longest number in their names")
+          ->type_name("DIR");
+  auto* stamps =
+      app.add_option("--stamps", stamps_,
+                     "names: the number in a file name is Unix time (s, ms, us or ns); else a file with "
+                     "one stamp [s] a line")
+          ->type_name("names|FILE");
   app.add_option("--csv", csv_, "Frames with columns image, stamp [s], right, x, y [m], yaw [rad]")
+      ->excludes(right)
+      ->excludes(stamps)
       ->type_name("FILE");
   app.add_option("--out", out_, "Rawlog to write")->required()->type_name("FILE");
   app.add_flag("--overwrite", writer_.overwrite, "Replace the rawlog if it exists");
-  app.add_option("--camera", camera_, "Calibration of the images; default: equirectangular of their size")
+  app.add_option("--camera", camera_,
+                 "Calibration of the images; default: equirectangular of their size. That of a stereo camera "
+                 "goes into the rawlog; it may also be KITTI's calib.txt or EuRoC's cam0.yaml,cam1.yaml")
       ->type_name("FILE");
   app.add_option("--reproject", reproject_, "Calibration of the camera to show the images through")
       ->type_name("FILE");
@@ -92,7 +116,7 @@ void PackCommand::declare(CLI::App& app) {
   app.add_option("--size", size_, "Size of the packed images; scales the camera too")->type_name("WxH");
   app.add_option("--save-camera", saveCamera_, "Write the calibration of the packed images")
       ->type_name("FILE");
-  app.add_option("--rate", rate_, "Images per second without --csv")
+  app.add_option("--rate", rate_, "Images per second without --csv or --stamps")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--label", writer_.sensor_label, "Sensor label of the camera")->capture_default_str();
@@ -122,7 +146,9 @@ void PackCommand::prepare() {
   }
   if (reproject_.empty() && (heading_ != "0"))
     throw base::Error("--heading turns the images only together with --reproject CAMERA");
-  if (!camera_.empty()) from_ = cameras::loadCamera(camera_);
+  if (!camera_.empty()) loadCalibration();
+  if (wanted_ && writer_.stereo)
+    throw base::Error("--size cannot scale the calibration of a stereo camera; leave one of them out");
   if (!reproject_.empty()) to_ = cameras::loadCamera(reproject_);
   if (to_ && wanted_) to_ = scaledRig(*to_, *wanted_);
   if (!saveCamera_.empty() && !to_ && !from_)
@@ -131,6 +157,16 @@ void PackCommand::prepare() {
     throw base::Error(saveCamera_ + ": exists already; choose another name or give --overwrite");
   if (!writer_.overwrite && std::filesystem::exists(out_))
     throw base::Error(out_ + ": exists already; choose another name or give --overwrite");
+}
+
+void PackCommand::loadCalibration() {
+  cv::Size size;
+  if (camera_.ends_with(".txt")) size = cv::imread(sources::findImages(images_).front()).size();
+  writer_.stereo = importStereoRig(camera_, size);
+  if (!writer_.stereo && cameras::describesStereo(camera_)) writer_.stereo = cameras::loadStereoRig(camera_);
+  from_ = writer_.stereo ? writer_.stereo->left : cameras::loadCamera(camera_);
+  if (!right_.empty() && !writer_.stereo)
+    throw base::Error(camera_ + ": describes one camera, and --right gives two");
 }
 
 void PackCommand::makeReprojector(cv::Size size) {
@@ -144,6 +180,19 @@ void PackCommand::makeReprojector(cv::Size size) {
   reprojector_.emplace(*from_, *to_);
 }
 
+void PackCommand::checkCalibration(const types::Frame& frame) const {
+  if (!writer_.stereo || frame.right.empty()) return;
+  const auto check = [&](const cv::Mat& image, const cameras::CameraRig& rig, const char* side) {
+    const cv::Size wanted = rig.camera->imageSize();
+    if (image.size() != wanted)
+      throw base::Error(frame.label + ": the " + side + " image has " + std::to_string(image.cols) + "x" +
+                        std::to_string(image.rows) + " pixels, " + camera_ + " is for " +
+                        std::to_string(wanted.width) + "x" + std::to_string(wanted.height));
+  };
+  check(frame.image, writer_.stereo->left, "left");
+  check(frame.right, writer_.stereo->right, "right");
+}
+
 double PackCommand::nextHeading() {
   const double heading = rng_ ? rng_->uniform(0.0, 2.0 * std::numbers::pi) : fixedHeading_;
   headings_.push_back(std::round(heading * 180.0 / std::numbers::pi * 1e6) / 1e6);
@@ -151,7 +200,7 @@ double PackCommand::nextHeading() {
 }
 
 types::Frame PackCommand::convert(types::Frame frame) {
-  if (csv_.empty()) frame.stamp = static_cast<double>(frame.index) / rate_;
+  if (csv_.empty() && stamps_.empty()) frame.stamp = static_cast<double>(frame.index) / rate_;
   if (to_) {
     if (!frame.right.empty()) throw base::Error("--reproject does not work on stereo pairs");
     if (!reprojector_) makeReprojector(frame.image.size());
@@ -170,7 +219,8 @@ types::Frame PackCommand::convert(types::Frame frame) {
 
 int PackCommand::run(std::ostream& out, std::ostream& err) {
   prepare();
-  const auto source = sources::openImageFolder(images_, csv_);
+  const auto source = csv_.empty() ? sources::openImagePairs(images_, right_, stamps_)
+                                   : sources::openImageFolder(images_, csv_);
   sources::RawlogWriter writer(out_, writer_);
   base::Progress progress(common_.progressTo(err), "pack");
   cv::Size size;
@@ -179,6 +229,7 @@ int PackCommand::run(std::ostream& out, std::ostream& err) {
     if (!frame) break;
     const types::Frame converted = convert(std::move(*frame));
     size = converted.image.size();
+    checkCalibration(converted);
     writer.add(converted);
     progress.update(source->progress(), writer.frames());
   }
@@ -188,7 +239,10 @@ int PackCommand::run(std::ostream& out, std::ostream& err) {
   if (writer.frames() == 0)
     throw base::Error(images_ + ": none of the images can be used; " + source->problem());
   writer.close();
-  if (!saveCamera_.empty()) cameras::saveCamera(to_ ? *to_ : scaledRig(*from_, size), saveCamera_);
+  if (!saveCamera_.empty() && writer_.stereo)
+    base::writeText(saveCamera_, cameras::toText(*writer_.stereo), writer_.overwrite);
+  else if (!saveCamera_.empty())
+    cameras::saveCamera(to_ ? *to_ : scaledRig(*from_, size), saveCamera_);
   const auto bytes = std::filesystem::file_size(out_);
   out << out_ << ": " << writer.frames() << " images of " << size.width << "x" << size.height << ", "
       << bytes / 1024 << " KB\n";

@@ -3,6 +3,7 @@
 #include "rawlog_file.h"
 
 #include "engram/base/error.h"
+#include "engram/sources/mrpt_camera.h"
 
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/obs/CActionCollection.h>
@@ -36,18 +37,6 @@ mrpt::Clock::time_point timeOf(double stamp) { return mrpt::Clock::fromDouble(st
 
 mrpt::poses::CPose3D poseOf(const Eigen::Isometry3d& T) {
   return mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(T.matrix()));
-}
-
-mrpt::img::TCamera calibrationOf(const cameras::CameraRig& rig) {
-  mrpt::img::TCamera camera;
-  camera.ncols = static_cast<std::uint32_t>(rig.camera->imageSize().width);
-  camera.nrows = static_cast<std::uint32_t>(rig.camera->imageSize().height);
-  if (rig.camera->model() != "pinhole")
-    return camera;  // MRPT knows no omnidirectional model: camera.ini has it
-  const auto o = *rig.camera->project({0, 0, 1}), x = *rig.camera->project({0.001, 0, 1}),
-             y = *rig.camera->project({0, 0.001, 1});
-  camera.setIntrinsicParamsFromValues((x - o).x() * 1000, (y - o).y() * 1000, o.x(), o.y());
-  return camera;
 }
 
 }  // namespace
@@ -160,7 +149,7 @@ class RawlogFile::Impl {
     o->timestamp = timeOf(frame.stamp);
     o->sensorLabel = "CAMERA";
     o->cameraPose = poseOf(session_.eyes().left.T_robot_cam);
-    o->cameraParams = calibrationOf(session_.eyes().left);
+    o->cameraParams = sources::toMrptCamera(session_.eyes().left);
     setImage(o->image, frame.image, i, "");
     return o;
   }
@@ -173,7 +162,7 @@ class RawlogFile::Impl {
     o->sensorLabel = "CAMERA";
     o->cameraPose = mrpt::poses::CPose3DQuat(poseOf(left.T_robot_cam));
     o->rightCameraPose = mrpt::poses::CPose3DQuat(poseOf(left.T_robot_cam.inverse() * right.T_robot_cam));
-    o->leftCamera = calibrationOf(left), o->rightCamera = calibrationOf(right);
+    o->leftCamera = sources::toMrptCamera(left), o->rightCamera = sources::toMrptCamera(right);
     o->hasImageRight = true;
     setImage(o->imageLeft, frame.image, i, "_left");
     setImage(o->imageRight, frame.right, i, "_right");

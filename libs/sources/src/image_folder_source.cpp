@@ -3,9 +3,7 @@
 #include "engram/sources/image_folder_source.h"
 
 #include "engram/base/error.h"
-#include "engram/sources/odometry_track.h"
-#include "engram/sources/stamp_gate.h"
-#include "image_codec.h"
+#include "image_list.h"
 
 #include <algorithm>
 #include <cctype>
@@ -22,12 +20,6 @@ namespace engram::sources {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Entry {
-  std::string image, right;
-  double stamp = 0.0;
-  std::optional<Pose2> pose;
-};
 
 std::string trim(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\r\"");
@@ -69,7 +61,7 @@ class CsvReader {
       throw base::Error(path + ": the columns x, y and yaw belong together");
   }
 
-  Entry parse(const std::string& line, int number, std::size_t index) const {
+  ImageEntry parse(const std::string& line, int number, std::size_t index) const {
     const std::string origin = path_ + ":" + std::to_string(number);
     const auto cells = splitLine(line);
     if (cells.size() != columns_.size())
@@ -79,7 +71,7 @@ class CsvReader {
       const auto at = columns_.find(name);
       return at == columns_.end() ? std::string() : cells[at->second];
     };
-    Entry entry{cell("image"), cell("right"), static_cast<double>(index), {}};
+    ImageEntry entry{cell("image"), cell("right"), cell("image"), static_cast<double>(index), {}};
     if (entry.image.empty()) throw base::Error(origin + ": the name of the image is missing");
     if (columns_.contains("stamp")) entry.stamp = parseCell(cell("stamp"), origin, "stamp");
     if (!std::isfinite(entry.stamp)) throw base::Error(origin + ": the stamp is not a finite number");
@@ -94,11 +86,11 @@ class CsvReader {
   std::map<std::string, std::size_t> columns_;
 };
 
-std::vector<Entry> readCsv(const std::string& path) {
+std::vector<ImageEntry> readCsv(const std::string& path) {
   std::ifstream in(path);
   if (!in) throw base::Error(path + ": cannot be opened; does the file exist and may you read it?");
   std::optional<CsvReader> reader;
-  std::vector<Entry> entries;
+  std::vector<ImageEntry> entries;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     if (trim(line).empty() || line.front() == '#') continue;
@@ -109,67 +101,6 @@ std::vector<Entry> readCsv(const std::string& path) {
   }
   if (entries.empty()) throw base::Error(path + ": lists no images");
   return entries;
-}
-
-class Source final : public FrameSource {
- public:
-  Source(std::string folder, std::vector<Entry> entries)
-      : folder_(std::move(folder)), entries_(std::move(entries)) {}
-
-  std::optional<types::Frame> next() override;
-  double progress() const override { return static_cast<double>(at_) / static_cast<double>(entries_.size()); }
-  std::string problem() const override;
-
- private:
-  std::string folder_;
-  std::vector<Entry> entries_;
-  std::size_t at_ = 0, delivered_ = 0, unreadable_ = 0, badStamps_ = 0, badPoses_ = 0;
-  std::string firstFailure_;
-  StampGate gate_;
-};
-
-std::optional<types::Frame> Source::next() {
-  while (at_ < entries_.size()) {
-    const Entry& entry = entries_[at_++];
-    types::Frame frame;
-    for (auto [name, image] :
-         {std::pair(&entry.image, &frame.image), std::pair(&entry.right, &frame.right)}) {
-      if (name->empty()) continue;
-      Decoded decoded = readImageFile((fs::path(folder_) / *name).string());
-      if (decoded.image.empty() && firstFailure_.empty()) firstFailure_ = *name + ": " + decoded.failure;
-      *image = std::move(decoded.image);
-    }
-    if (frame.image.empty() || (!entry.right.empty() && frame.right.empty())) {
-      ++unreadable_;
-      continue;
-    }
-    const auto verdict = gate_.check(entry.stamp);
-    if (verdict != StampGate::Verdict::kPass && verdict != StampGate::Verdict::kRestart) {
-      ++badStamps_;
-      continue;
-    }
-    frame.index = delivered_++;
-    frame.stamp = entry.stamp;
-    frame.label = entry.image;
-    if (entry.pose) {
-      const bool finite = std::isfinite(entry.pose->x + entry.pose->y + entry.pose->yaw);
-      badPoses_ += finite ? 0 : 1;
-      if (finite) frame.T_odom_robot = toIsometry(*entry.pose);
-    }
-    return frame;
-  }
-  return std::nullopt;
-}
-
-std::string Source::problem() const {
-  std::string text;
-  const auto say = [&text](std::size_t n, const std::string& what) {
-    if (n > 0) text += (text.empty() ? "" : "; ") + std::to_string(n) + " " + what;
-  };
-  say(unreadable_, "image(s) left out: cannot be read (" + firstFailure_ + ")");
-  say(badStamps_, "image(s) left out: the stamp repeats or goes back");
-  say(badPoses_, "image(s) with odometry that is not a number");
-  return text.empty() ? text : folder_ + ": " + text;
 }
 
 }  // namespace
@@ -222,11 +153,19 @@ std::vector<std::string> listImages(const std::string& folder) {
 std::unique_ptr<FrameSource> openImageFolder(const std::string& folder, const std::string& csv) {
   std::error_code status;
   if (!fs::is_directory(folder, status)) throw base::Error(folder + ": no such folder");
-  if (!csv.empty()) return std::make_unique<Source>(folder, readCsv(csv));
-  std::vector<Entry> entries;
-  for (const auto& name : listImages(folder))
-    entries.push_back({name, {}, static_cast<double>(entries.size()), {}});
-  return std::make_unique<Source>(folder, std::move(entries));
+  std::vector<ImageEntry> entries;
+  if (!csv.empty()) entries = readCsv(csv);
+  if (csv.empty())
+    for (const auto& name : listImages(folder))
+      entries.push_back({name, {}, name, static_cast<double>(entries.size()), {}});
+  const auto inFolder = [&folder](const std::string& name) {
+    return name.empty() ? name : (fs::path(folder) / name).string();
+  };
+  for (auto& entry : entries) {
+    entry.image = inFolder(entry.image);
+    entry.right = inFolder(entry.right);
+  }
+  return makeListSource(folder, std::move(entries));
 }
 
 }  // namespace engram::sources

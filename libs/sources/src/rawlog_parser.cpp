@@ -181,6 +181,7 @@ Record RawlogParser::parseObject(const Header& header) {
 Record RawlogParser::parseImage(int version) {
   if (version > 4) throw Damage{"version " + std::to_string(version) + " of CObservationImage is unknown"};
   ImageRecord record;
+  if (version == 4) record.camera = recordedCamera(in_.peek(kMaxText));
   seekImage();
   record.image = readImage();
   record.stamp = version >= 1 ? readStamp() : std::numeric_limits<double>::quiet_NaN();
@@ -194,6 +195,7 @@ Record RawlogParser::parseStereo(int version) {
   if (version > 6)
     throw Damage{"version " + std::to_string(version) + " of CObservationStereoImages is unknown"};
   ImageRecord record;
+  const auto cameras = version >= 5 ? recordedPair(in_.peek(kMaxText)) : std::nullopt;
   seekImage();
   record.image = readImage();
   const bool hasDisparity = version >= 6 && readValue<std::uint8_t>() != 0;
@@ -204,6 +206,11 @@ Record RawlogParser::parseStereo(int version) {
   record.stamp = version >= 1 ? readStamp() : std::numeric_limits<double>::quiet_NaN();
   const Tail tail = skipRest();  // the pose of the right camera, the focal length
   if (version >= 4) record.label = textAtEnd(tail.end);
+  const auto T_left_right = cameras ? lastPose(tail.end) : std::nullopt;
+  if (!T_left_right) return record;
+  record.camera = cameras->left;
+  record.rightCamera = cameras->right;
+  record.rightCamera->T_robot_cam = cameras->left.T_robot_cam * *T_left_right;
   return record;
 }
 

@@ -5,6 +5,7 @@
 #include "byte_stream.h"
 #include "engram/sources/odometry_track.h"
 #include "image_codec.h"
+#include "rawlog_calibration.h"
 
 #include <map>
 #include <optional>
@@ -19,6 +20,7 @@ struct ImageRecord {
   std::string label;
   EncodedImage image, right;
   bool stereo = false;
+  std::optional<RecordedCamera> camera, rightCamera;  ///< where the observation has them
 };
 
 struct OdometryRecord {

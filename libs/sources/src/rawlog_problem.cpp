@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rawlog_problem.h"
 
+#include <cmath>
+#include <cstdio>
 #include <vector>
 
 namespace engram::sources {
@@ -39,14 +41,34 @@ std::string listCameras(const RawlogStats& stats) {
   return list;
 }
 
+/// "3 images left out: no image of RIGHT within 1 ms; the first lacks 33.4 ms"
+std::string describeUnpaired(const RawlogStats& stats, const RawlogParams& params) {
+  const auto milliseconds = [](double seconds) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g ms", 1000 * seconds);
+    return std::string(text);
+  };
+  std::string text = count(stats.imagesUnpaired, "image") + " left out: no image of " +
+                     named(params.right_label) + " within " + milliseconds(params.pair_tolerance);
+  if (!stats.cameras.contains(params.right_label))
+    return text + ": no camera has this label; set right_label to one of: " + listCameras(stats);
+  return text +
+         (std::isfinite(stats.nearestRight)
+              ? "; for the first of them the nearest was " + milliseconds(stats.nearestRight) + " away"
+              : "; before the first of them there was none") +
+         " (pair_tolerance)";
+}
+
 std::string describeChoice(const RawlogStats& stats, const RawlogParams& params,
                            const std::string& usedLabel) {
   if (!params.sensor_label.empty() && !stats.cameras.empty() && !stats.cameras.contains(params.sensor_label))
     return "no camera has the label '" + params.sensor_label +
            "'; set sensor_label to one of: " + listCameras(stats);
-  if (params.sensor_label.empty() && stats.cameras.size() > 1)
+  const std::size_t known = params.right_label.empty() ? 1 : 2;
+  if (params.sensor_label.empty() && stats.cameras.size() > known)
     return "it holds several cameras, of which " + named(usedLabel) +
-           " was used; set sensor_label to choose among: " + listCameras(stats);
+           " was used; set sensor_label to choose among (and right_label, if two are a stereo pair): " +
+           listCameras(stats);
   return {};
 }
 
@@ -64,6 +86,7 @@ std::string describeProblem(const std::string& path, const std::string& damage, 
   say(stats.imagesDamaged, "image", "left out: damaged (" + stats.firstFailure + ")");
   say(stats.imagesMissing, "image", "left out: file not found (" + stats.firstFailure + "); see images_dir");
   say(stats.imagesBadStamp, "image", "left out: the stamp repeats or goes back");
+  if (stats.imagesUnpaired > 0) parts.push_back(describeUnpaired(stats, params));
   say(stats.imagesNoStamp, "image", "without a stamp: numbered one second apart");
   say(stats.imagesNoOdometry, "image", "without odometry near in time");
   say(stats.odometryBad, "odometry reading", "left out: not a number");

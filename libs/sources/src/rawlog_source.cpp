@@ -11,6 +11,7 @@
 #include <cmath>
 #include <deque>
 #include <filesystem>
+#include <limits>
 
 namespace engram::sources {
 namespace {
@@ -38,6 +39,7 @@ class Source final : public RawlogSource {
     return describeProblem(path_, parser_.damage(), stats_, params_, label_.value_or(""));
   }
   const RawlogStats& stats() const override { return stats_; }
+  const std::optional<cameras::StereoRig>& calibration() const override { return calibration_; }
   std::string damage() const override { return parser_.damage(); }
 
  private:
@@ -52,6 +54,9 @@ class Source final : public RawlogSource {
   void addSample(double stamp, const Pose2& pose);
   void noteStamp(double stamp);
   bool ready(const ImageRecord& record) const;
+  bool paired(const ImageRecord& record) const;
+  std::deque<ImageRecord>::iterator nearestRight(double stamp);
+  bool attachRight(ImageRecord& record);
   std::optional<types::Frame> deliver(ImageRecord record);
 
   std::string path_;
@@ -65,6 +70,8 @@ class Source final : public RawlogSource {
   std::optional<std::string> label_;  // of the camera in use
   StampGate imageGate_;
   std::deque<ImageRecord> pending_;
+  std::deque<ImageRecord> rights_;  // of a camera of its own, waiting for their left ones
+  std::optional<cameras::StereoRig> calibration_;
 
   Kind kind_ = Kind::kUnknown;
   std::optional<std::string> odometryLabel_;
@@ -95,8 +102,35 @@ void Source::readOne() {
 }
 
 bool Source::ready(const ImageRecord& record) const {
-  return params_.odometry == "none" || track_.covers(record.stamp) ||
-         pending_.size() >= static_cast<std::size_t>(params_.look_ahead);
+  if (pending_.size() >= static_cast<std::size_t>(params_.look_ahead)) return true;
+  return paired(record) && (params_.odometry == "none" || track_.covers(record.stamp));
+}
+
+/// Whether no later right image can be the partner.
+bool Source::paired(const ImageRecord& record) const {
+  return params_.right_label.empty() || (!rights_.empty() && rights_.back().stamp >= record.stamp);
+}
+
+std::deque<ImageRecord>::iterator Source::nearestRight(double stamp) {
+  return std::min_element(rights_.begin(), rights_.end(), [stamp](const auto& a, const auto& b) {
+    return std::abs(a.stamp - stamp) < std::abs(b.stamp - stamp);
+  });
+}
+
+/// Finds the right image of a left one; false when there is none, which is counted.
+bool Source::attachRight(ImageRecord& record) {
+  const auto at = nearestRight(record.stamp);
+  const double gap =
+      at == rights_.end() ? std::numeric_limits<double>::infinity() : std::abs(at->stamp - record.stamp);
+  if (gap > params_.pair_tolerance) {
+    if (stats_.imagesUnpaired++ == 0) stats_.nearestRight = gap;
+    return false;
+  }
+  record.right = std::move(at->image);
+  record.rightCamera = at->camera;
+  record.stereo = true;
+  rights_.erase(rights_.begin(), at + 1);
+  return true;
 }
 
 void Source::noteStamp(double stamp) {
@@ -107,6 +141,12 @@ void Source::noteStamp(double stamp) {
 
 void Source::take(ImageRecord&& record) {
   ++stats_.cameras[record.label];
+  if (!params_.right_label.empty() && record.label == params_.right_label) {
+    if (std::isnan(record.stamp)) return;
+    if (rights_.size() >= 2 * static_cast<std::size_t>(params_.look_ahead)) rights_.pop_front();
+    rights_.push_back(std::move(record));
+    return;
+  }
   if (!label_ && (params_.sensor_label.empty() || record.label == params_.sensor_label))
     label_ = record.label;
   if (!label_ || record.label != *label_) return;
@@ -193,6 +233,7 @@ std::optional<types::Frame> Source::deliver(ImageRecord record) {
     if (stats_.firstFailure.empty()) stats_.firstFailure = bad.failure;
     return std::nullopt;
   };
+  if (!params_.right_label.empty() && !attachRight(record)) return std::nullopt;
   types::Frame frame;
   Decoded left = decode(record.image, folder_);
   if (left.image.empty()) return fail(left);
@@ -201,6 +242,8 @@ std::optional<types::Frame> Source::deliver(ImageRecord record) {
     Decoded right = decode(record.right, folder_);
     if (right.image.empty()) return fail(right);
     frame.right = std::move(right.image);
+    calibration_.reset();
+    if (record.camera && record.rightCamera) calibration_ = toStereoRig(*record.camera, *record.rightCamera);
   }
   frame.index = stats_.images++;
   frame.stamp = record.stamp;

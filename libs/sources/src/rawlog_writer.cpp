@@ -3,6 +3,7 @@
 #include "engram/sources/rawlog_writer.h"
 
 #include "engram/base/error.h"
+#include "engram/sources/mrpt_camera.h"
 #include "engram/sources/odometry_track.h"
 #include "gz_archive.h"
 #include "image_codec.h"
@@ -186,14 +187,20 @@ class RawlogWriter::Impl {
   }
 
   void writeStereo(const types::Frame& frame) {
+    const auto& rig = params_.stereo;
+    const auto pose = [](const Eigen::Isometry3d& T) {
+      return mrpt::poses::CPose3DQuat(mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(T.matrix())));
+    };
     out_->header("mrpt::obs::CObservationStereoImages", 6);
-    *out_ << mrpt::poses::CPose3DQuat() << calibrationOf(frame.image) << calibrationOf(frame.right);
+    *out_ << (rig ? pose(rig->left.T_robot_cam) : mrpt::poses::CPose3DQuat())
+          << (rig ? toMrptCamera(rig->left) : calibrationOf(frame.image))
+          << (rig ? toMrptCamera(rig->right) : calibrationOf(frame.right));
     writePixels(frame.image, "_left", left_);
     out_->value(std::uint8_t{0});  // no disparity image
     out_->value(std::uint8_t{1});  // but a right one
     writePixels(frame.right, "_right", right_);
     out_->value(rawlogTicks(frame.stamp));
-    *out_ << mrpt::poses::CPose3DQuat();
+    *out_ << (rig ? pose(rig->T_left_right()) : mrpt::poses::CPose3DQuat());
     out_->text(params_.sensor_label);
     out_->value(kEndFlag);
   }

@@ -3,11 +3,13 @@
 #pragma once
 
 #include "engram/base/params.h"
+#include "engram/cameras/stereo_rig.h"
 #include "engram/sources/frame_source.h"
 
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace engram::sources {
@@ -15,6 +17,8 @@ namespace engram::sources {
 /// Section [source].
 struct RawlogParams {
   std::string sensor_label;
+  std::string right_label;
+  double pair_tolerance = 0.001;  // [s]
   std::string odometry = "auto";
   std::string odometry_label;
   std::string images_dir;
@@ -23,6 +27,12 @@ struct RawlogParams {
 
   void describe(base::Params& p) {
     p.add("sensor_label", sensor_label, "label of the camera to use; empty: the first camera of the rawlog");
+    p.add(
+        "right_label", right_label,
+        "label of the right camera where both eyes of a stereo camera are recorded as cameras of their own; "
+        "sensor_label is the left one");
+    p.add("pair_tolerance", pair_tolerance, "right_label: largest difference of the stamps of a pair [s]",
+          {0, 10});
     p.addChoice(
         "odometry", odometry,
         "kind of odometry to use: auto is the first kind found, observation CObservationOdometry, action "
@@ -47,6 +57,8 @@ struct RawlogStats {
   std::size_t imagesMissing = 0;                                      ///< stored outside, file not found
   std::size_t imagesBadStamp = 0;    ///< left out: the stamp repeats, goes back, or leaps by more than a year
   std::size_t imagesNoStamp = 0;     ///< had no stamp: numbered one second apart
+  std::size_t imagesUnpaired = 0;    ///< left out: no right image at their stamp
+  double nearestRight = 0.0;         ///< of the first of these, how far away the nearest right one was [s]
   std::size_t imagesNoOdometry = 0;  ///< delivered without odometry although the rawlog holds some
   std::size_t odometry = 0;          ///< samples used
   std::size_t odometryBad = 0;       ///< left out: not a number
@@ -59,7 +71,8 @@ struct RawlogStats {
 };
 
 /// Frames of an MRPT rawlog: action/sensory-frame pairs, observations only, or both mixed; plain or gzip;
-/// monocular and stereo; images embedded or outside. Streaming, in constant memory.
+/// monocular and stereo, as CObservationStereoImages or as two cameras (`right_label`); images embedded or
+/// outside. Streaming, in constant memory.
 ///
 /// Stamps rise, except where the recorder's clock was set back for good (counted). Damage ends the stream:
 /// all before it is delivered, and problem() says what is wrong and where. An image that is damaged in itself
@@ -67,6 +80,8 @@ struct RawlogStats {
 class RawlogSource : public FrameSource {
  public:
   virtual const RawlogStats& stats() const = 0;
+  /// The calibration that the last stereo frame came with; none when it had none that Engram knows.
+  virtual const std::optional<cameras::StereoRig>& calibration() const = 0;
   /// Damage that ended the stream early; empty otherwise.
   virtual std::string damage() const = 0;
   /// Whether nothing of the rawlog was lost so far. What problem() says besides is no more than a notice.

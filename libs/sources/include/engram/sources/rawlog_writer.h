@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/cameras/stereo_rig.h"
 #include "engram/types/frame.h"
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace mrpt::serialization {
@@ -19,8 +21,9 @@ struct RawlogWriterParams {
   std::string odometry_label = "ODOMETRY";
   int jpeg_quality = 90;         ///< 1 … 100
   bool external_images = false;  ///< as files in `<rawlog name>_Images` instead of inside the rawlog
-  bool overwrite = false;        ///< replace an existing rawlog (and its folder of images)
-  bool live = false;             ///< what is written cannot be made again: keep it whatever happens
+  std::optional<cameras::StereoRig> stereo;  ///< calibration to write with stereo pairs
+  bool overwrite = false;                    ///< replace an existing rawlog (and its folder of images)
+  bool live = false;  ///< what is written cannot be made again: keep it whatever happens
   bool sync = true;  ///< flush() waits for the disk; false: for the system alone, which outlives this program
 };
 
