@@ -70,7 +70,9 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   if (!truth_.empty()) truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
   std::optional<store::MapFile> file;
   if (extend_) file = store::MapFile::open(path, store::Access::kReadOnly);
-  pipeline::Mapper mapper(config_.pipeline, file ? file->load() : map::TopologicalMap{});
+  const auto builder =
+      pipeline::makeMapBuilder(config_.pipeline, file ? file->load() : map::TopologicalMap{});
+  pipeline::MapBuilder& mapper = *builder;
   if (file) {
     store::requireCompatible(file->header(), mapper.header(), path);
     file.reset();  // a map that is refused keeps every byte
@@ -103,7 +105,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   return conclude(*file, mapper, figures, truth ? &*truth : nullptr, out, err);
 }
 
-store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::Mapper& mapper,
+store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::MapBuilder& mapper,
                                       const types::Frame& first) {
   map::MapHeader header = mapper.header();
   header.parameters = config_.dumpForMap();
@@ -111,7 +113,7 @@ store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::M
   return store::MapFile::create(path, header, overwrite_);
 }
 
-int SlamProgram::conclude(store::MapFile& file, const pipeline::Mapper& mapper, SlamFigures& figures,
+int SlamProgram::conclude(store::MapFile& file, const pipeline::MapBuilder& mapper, SlamFigures& figures,
                           const MapTruth* truth, std::ostream& out, std::ostream& err) {
   const map::TopologicalMap& map = mapper.map();
   if (truth && truth->hasPoses())

@@ -44,7 +44,7 @@ Mapper::Mapper(const PipelineParams& params, map::TopologicalMap map)
       perception_(params.camera, params.extractor),
       memory_(memory::makeMemoryModel(params.memory, params.fsh, params.multi_store)),
       gate_(params.memory),
-      recogniser_(params, Recogniser::Mode::kMapping),
+      recogniser_(params, Recogniser::Mode::kMapping, perception_.stereo()),
       relaxer_(posegraph::makeRelaxer(params.posegraph)),
       reckoning_(params.odometry),
       sinceMade_(params.odometry),
