@@ -131,6 +131,7 @@ types::StereoPair Perception::rectified(const types::Frame& frame) const {
 
 types::Features Perception::operator()(const types::StereoPair& pair) const {
   types::Features features = describe(pair.left);
+  features.bearings.clear();  // pixels and ranges tell the points
   const odometry::RowMatcher rows(pair, params_.max_disparity);
   for (const auto& k : features.keypoints) {
     const auto d = rows.disparity(k.x, k.y);

@@ -16,6 +16,12 @@ namespace {
 
 const types::RelPose kHere{.cov = types::Matrix6d::Zero()};
 
+/// Without the rounding that long chains of products gather.
+Eigen::Isometry3d rigid(Eigen::Isometry3d T) {
+  T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
+  return T;
+}
+
 const Perception& checked(const Perception& perception, const PipelineParams& params) {
   if (!perception.stereo())
     throw base::ConfigError(
@@ -28,6 +34,14 @@ const Perception& checked(const Perception& perception, const PipelineParams& pa
 }
 
 }  // namespace
+
+types::Features viewFeatures(const Perception& perception, const types::StereoPair& pair, int most) {
+  const types::Features all = perception(pair);
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < all.size() && kept.size() < static_cast<std::size_t>(most); ++i)
+    if (all.ranges[i] > 0) kept.push_back(static_cast<int>(i));
+  return all.subset(kept);
+}
 
 /// What is known of the image at hand, filled step by step.
 struct ViewMapper::Work {
@@ -127,7 +141,8 @@ std::string ViewMapper::whyLost(odometry::OdometryReason reason) const {
   if (reason == odometry::OdometryReason::kFirst) return "the first image";
   std::string why = std::string("visual odometry failed: ") + odometry::toString(reason);
   const odometry::StereoHealth health = check_.health();
-  if (!health.ok() && health.fault != odometry::StereoFault::kUnknown) why += "; " + odometry::describe(health);
+  if (!health.ok() && health.fault != odometry::StereoFault::kUnknown)
+    why += "; " + odometry::describe(health);
   return why;
 }
 
@@ -149,13 +164,8 @@ bool ViewMapper::select(Work& work) {
 
 bool ViewMapper::describe(Work& work) {
   const StepTimer timer(work.report, "describe");
-  const types::Features all = perception_(work.pair);
-  std::vector<int> kept;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (all.ranges[i] > 0 && kept.size() < static_cast<std::size_t>(params_.views.max_features))
-      kept.push_back(static_cast<int>(i));
-  work.features = all.subset(kept);
-  work.report.features = static_cast<int>(kept.size());
+  work.features = viewFeatures(perception_, work.pair, params_.views.max_features);
+  work.report.features = static_cast<int>(work.features.size());
   if (work.report.features >= params_.stereo.min_inliers) return true;
   work.report.reason = "too few features whose range is known";
   return false;
@@ -203,7 +213,7 @@ std::optional<ViewMapper::Link> ViewMapper::linkTo(const Work& work, base::Place
 void ViewMapper::remember(Work& work) {
   const StepTimer timer(work.report, "remember");
   map::Place place;
-  place.T_map_place = guessedPose(work);
+  place.T_map_place = rigid(guessedPose(work));
   place.memory = memory_.start(work.features);
   place.createdStamp = work.frame.stamp;
   place.createdIndex = work.frame.index;
@@ -316,6 +326,7 @@ map::Edge ViewMapper::edgeOf(const Link& link, base::PlaceId view) const {
 }
 
 types::RelPose ViewMapper::floored(types::RelPose T) const {
+  T.T_a_b = rigid(T.T_a_b);
   T.cov += types::Matrix6d::Identity() * params_.views.sigma_floor * params_.views.sigma_floor;
   return T;
 }
@@ -332,7 +343,7 @@ bool ViewMapper::join(base::PlaceId a, base::PlaceId b, const Eigen::Isometry3d&
   for (auto& [id, part] : partOf_) {
     if (part != std::max(partA, partB)) continue;
     part = std::min(partA, partB);
-    moved[id] = T_new_old * map_.place(id).T_map_place;
+    moved[id] = rigid(T_new_old * map_.place(id).T_map_place);
   }
   map_.setPoses(moved);
   return true;
@@ -355,6 +366,7 @@ void ViewMapper::forget(Work& work) {
     search_.remove(gone.place);
     partOf_.erase(gone.place);
     ++work.report.memory.pruned;
+    if (work.report.bestGuess == gone.place) work.report.bestGuess = gone.heir;
     if (gone.place != anchor_) continue;
     anchor_ = gone.heir;
     T_anchor_keyframe_ = T_anchor_robot_ = floored({.T_a_b = gone.T_heir_place, .cov = kHere.cov});

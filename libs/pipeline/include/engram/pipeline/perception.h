@@ -47,7 +47,7 @@ struct StereoCamera {
 /// Perceive: an image becomes features with quantised descriptors and unit bearings in the robot frame
 /// (x forward, y left, z up), so that the vertical is the same for every camera (F-09, F-11). With
 /// `[camera] stereo` the features are those of the rectified left image, with ranges where the right eye sees
-/// them too.
+/// them too, instead of bearings.
 class Perception {
  public:
   /// Throws base::Error when the calibration cannot be read.

@@ -19,6 +19,9 @@
 
 namespace engram::pipeline {
 
+/// The features of a stereo view: the strongest whose range is known, at most so many (K-38).
+types::Features viewFeatures(const Perception& perception, const types::StereoPair& pair, int most);
+
 /// Builds or extends a map of stereo views (Konolige & Bowman 2009): visual odometry from view to view, links
 /// to all views of the map that geometry confirms, weak links where nothing is known, and views forgotten by
 /// rule. process() is K-19, step by step. Every view is a node of the map, a place with one static memory.
