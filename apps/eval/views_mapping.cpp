@@ -25,8 +25,8 @@ void forEachShown(const ShownDrive& shown, See see) {
     types::Frame frame = original;
     for (const auto& [first, end] : shown.covered) {
       if (at < first || at >= end) continue;
-      frame.image = cv::Mat::zeros(frame.image.size(), frame.image.type());
-      frame.right = frame.image.clone();
+      frame.image = cv::Mat(frame.image.size(), frame.image.type(), cv::Scalar::all(0));  // new pixels
+      frame.right = frame.image;
     }
     frame.T_odom_robot.reset();  // K has no wheels
     see(frame, shown.drive->truth[at].T_world_body);

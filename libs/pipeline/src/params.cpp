@@ -93,6 +93,9 @@ void ViewParams::describe(base::Params& p) {
         {2, 1e6});
   p.add("retrain_growth", retrain_growth,
         "without a file: the tree is trained anew when the map has so many times as many views", {1.1, 1000});
+  p.add("wheels", wheels,
+        "where visual odometry fails, that of the wheels joins the views; false: a weak link as without "
+        "wheels");
   p.add("sigma_floor", sigma_floor, "least standard deviation of a link [m and rad]", {1e-6, 10});
   p.add("weak_sigma", weak_sigma,
         "standard deviation of a weak link, which joins what nothing measured joins [m]", {0.1, 1e6});

@@ -48,7 +48,8 @@ struct ViewMapper::Work {
   explicit Work(const types::Frame& f) : frame(f) {}
   const types::Frame& frame;
   types::StereoPair pair;
-  odometry::OdometryResult motion;
+  odometry::OdometryResult seen;         // by visual odometry
+  std::optional<types::RelPose> motion;  // since the anchor, measured
   types::Features features;
   types::FrameReport report;
   std::vector<base::PlaceId> tried;   // views that the image was held against
@@ -68,7 +69,8 @@ ViewMapper::ViewMapper(const PipelineParams& params, map::TopologicalMap map)
       relaxer_(posegraph::makeRelaxer(params.posegraph)),
       map_(std::move(map)),
       budget_(params.upkeep.budget(params.stereo.min_inliers)),
-      session_(map_.nextSession()) {
+      session_(map_.nextSession()),
+      wheels_(params.odometry) {
   search_.load(map_);
   for (const auto& [id, place] : map_.places()) {
     if (partOf_.contains(id)) continue;
@@ -113,19 +115,19 @@ bool ViewMapper::perceive(Work& work) {
 /// Steps 3 and 4: visual odometry against the last keyframe; where it fails the robot is lost (K-E10).
 bool ViewMapper::move(Work& work) {
   const StepTimer timer(work.report, "move");
-  work.motion = odometry_.process(work.pair, eyeStep(work.frame));
-  work.report.features = work.motion.points;
-  if (!work.motion.ok()) {
+  wheels_.move(work.frame.T_odom_robot);
+  work.seen = odometry_.process(work.pair, eyeStep(work.frame));
+  work.report.features = work.seen.points;
+  if (!work.seen.ok()) {
     lost_ = true;
-    if (work.motion.reason == odometry::OdometryReason::kFirst)
-      work.report.outcome = types::Outcome::kSkipped;
-    work.report.reason = whyLost(work.motion.reason);
+    if (work.seen.reason == odometry::OdometryReason::kFirst) work.report.outcome = types::Outcome::kSkipped;
+    work.report.reason = whyLost(work.seen.reason);
     return false;
   }
   if (lost_) return true;
   const auto& camera = *perception_.stereo();
-  T_anchor_robot_ = posegraph::compose(T_anchor_keyframe_, camera.ofRobot(work.motion.T_keyframe_now));
-  if (work.motion.newKeyframe) T_anchor_keyframe_ = T_anchor_robot_;
+  T_anchor_robot_ = posegraph::compose(T_anchor_keyframe_, camera.ofRobot(work.seen.T_keyframe_now));
+  if (work.seen.newKeyframe) T_anchor_keyframe_ = T_anchor_robot_;
   return true;
 }
 
@@ -156,9 +158,8 @@ bool ViewMapper::select(Work& work) {
     return odometry_.process(work.pair).newKeyframe;
   }
   const double since = work.frame.stamp - anchorStamp_;
-  if (work.motion.newKeyframe && (since < 0 || since >= params_.views.min_interval)) return true;
-  work.report.reason =
-      work.motion.newKeyframe ? "a view was taken shortly before" : "the robot has not moved";
+  if (work.seen.newKeyframe && (since < 0 || since >= params_.views.min_interval)) return true;
+  work.report.reason = work.seen.newKeyframe ? "a view was taken shortly before" : "the robot has not moved";
   return false;
 }
 
@@ -173,6 +174,7 @@ bool ViewMapper::describe(Work& work) {
 
 void ViewMapper::recognise(Work& work) {
   const StepTimer timer(work.report, "recognise");
+  work.motion = motionSinceAnchor();
   for (const auto& [view, score] : search_.find(work.features)) {
     types::Hypothesis hypothesis;
     hypothesis.place = view;
@@ -180,7 +182,7 @@ void ViewMapper::recognise(Work& work) {
     work.report.hypotheses.push_back(hypothesis);
     work.tried.push_back(view);
   }
-  if (!lost_ && std::find(work.tried.begin(), work.tried.end(), anchor_) == work.tried.end())
+  if (work.motion && std::find(work.tried.begin(), work.tried.end(), anchor_) == work.tried.end())
     work.tried.push_back(anchor_);
 }
 
@@ -236,19 +238,22 @@ void ViewMapper::remember(Work& work) {
   work.report.learnt = {work.view};
 }
 
+/// Measured: by visual odometry, or by the wheels where that has failed.
+std::optional<types::RelPose> ViewMapper::motionSinceAnchor() const {
+  if (!lost_) return T_anchor_robot_;
+  if (params_.views.wheels && anchor_.valid() && wheels_.anchored()) return wheels_.anchorToRobot();
+  return std::nullopt;
+}
+
 Eigen::Isometry3d ViewMapper::guessedPose(const Work& work) const {
-  if (!lost_) return map_.place(anchor_).T_map_place * T_anchor_robot_.T_a_b;
+  if (work.motion) return map_.place(anchor_).T_map_place * work.motion->T_a_b;
   if (!work.links.empty()) {
     const Link& best = work.links.front();
     return map_.place(best.to).T_map_place * best.match.T_place_robot->T_a_b;
   }
   if (map_.path().empty()) return Eigen::Isometry3d::Identity();
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();  // K-E14: last known, or the identity
-  if (anchor_.valid()) {
-    T = T_anchor_robot_.T_a_b;
-    if (T_odom_anchor_ && work.frame.T_odom_robot) T = T_odom_anchor_->inverse() * *work.frame.T_odom_robot;
-  }
-  return map_.place(lastPlace()).T_map_place * T;
+  // K-E14: where it was last known to be, or the identity.
+  return map_.place(lastPlace()).T_map_place * (anchor_.valid() ? T_anchor_robot_.T_a_b : kHere.T_a_b);
 }
 
 /// Where the robot was last: at wake-up, where the drive before ended (K-19). Not for an empty map (K-E12).
@@ -257,11 +262,10 @@ base::PlaceId ViewMapper::lastPlace() const { return anchor_.valid() ? anchor_ :
 /// Step 5.b.ii, A and B: links, and a weak one where nothing measured joins the view to where the robot was.
 void ViewMapper::relate(Work& work) {
   const StepTimer timer(work.report, "relate");
-  if (!lost_) work.near = map_.hopDistances(anchor_, params_.place.recent_hops);
-  if (!lost_) addMotion(work);
+  if (work.motion) addMotion(work);
   for (const Link& link : work.links)
-    if (lost_ || link.to != anchor_) addLink(work, link);
-  if (lost_ && !map_.path().empty() && partOf_.at(lastPlace()) != partOf_.at(work.view)) {
+    if (!work.motion || link.to != anchor_) addLink(work, link);
+  if (!work.motion && !map_.path().empty() && partOf_.at(lastPlace()) != partOf_.at(work.view)) {
     map::Edge weak{.type = map::EdgeType::kWeak, .a = lastPlace(), .b = work.view};
     weak.T_a_b.T_a_b = map_.place(weak.a).T_map_place.inverse() * map_.place(weak.b).T_map_place;
     weak.T_a_b.cov = types::Matrix6d::Identity() * params_.views.weak_sigma * params_.views.weak_sigma;
@@ -273,21 +277,22 @@ void ViewMapper::relate(Work& work) {
   anchor_ = work.view;
   anchorStamp_ = work.frame.stamp;
   T_anchor_keyframe_ = T_anchor_robot_ = kHere;
-  T_odom_anchor_ = work.frame.T_odom_robot;
+  wheels_.reset(Eigen::Isometry3d::Identity(), kHere.cov);
   lost_ = false;
   map_.addPathPoint({session_, work.frame.stamp, anchor_, Eigen::Isometry3d::Identity()});
 }
 
-/// The edge to the view before, by odometry; it keeps the features that both views share.
+/// The edge to the view before; it keeps the features that both views share.
 void ViewMapper::addMotion(Work& work) {
   map::Edge edge;
+  work.near = map_.hopDistances(anchor_, params_.place.recent_hops);
   const auto known = std::find_if(work.links.begin(), work.links.end(),
                                   [this](const Link& link) { return link.to == anchor_; });
   if (known != work.links.end()) edge = edgeOf(*known, work.view);
   edge.type = map::EdgeType::kOdometry;
   edge.a = anchor_;
   edge.b = work.view;
-  edge.T_a_b = floored(T_anchor_robot_);
+  edge.T_a_b = floored(*work.motion);
   join(edge.a, edge.b, edge.T_a_b.T_a_b);
   map_.addEdge(std::move(edge));
 }
@@ -370,6 +375,7 @@ void ViewMapper::forget(Work& work) {
     if (gone.place != anchor_) continue;
     anchor_ = gone.heir;
     T_anchor_keyframe_ = T_anchor_robot_ = floored({.T_a_b = gone.T_heir_place, .cov = kHere.cov});
+    wheels_.reset(T_anchor_robot_.T_a_b, T_anchor_robot_.cov);
   }
 }
 

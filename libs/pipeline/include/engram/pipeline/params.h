@@ -90,6 +90,7 @@ struct ViewParams {
   std::string vocabulary;      ///< file of a vocabulary tree; empty: trained on the map's own views
   int train_after = 60;        ///< views from which such a tree is trained; all views are matched till then
   double retrain_growth = 4;   ///< it is trained anew when the map has so many times as many views
+  bool wheels = true;          ///< wheel odometry, where there is any, bridges what visual odometry cannot
   double sigma_floor = 0.002;  ///< [m] and [rad]: no link is stiffer
   double weak_sigma = 10;      ///< [m] of a weak link; 1 rad counts as 1 m (K-11)
   double relax_sigma = 1;      ///< disagreement of a new link with the poses from which they are relaxed

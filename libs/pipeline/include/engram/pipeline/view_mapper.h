@@ -5,6 +5,7 @@
 #include "engram/memory/static_view.h"
 #include "engram/odometry/stereo_check.h"
 #include "engram/odometry/stereo_odometry.h"
+#include "engram/pipeline/dead_reckoning.h"
 #include "engram/pipeline/map_builder.h"
 #include "engram/pipeline/perception.h"
 #include "engram/pipeline/place_match.h"
@@ -65,6 +66,7 @@ class ViewMapper final : public MapBuilder {
   base::PlaceId lastPlace() const;
   map::Edge edgeOf(const Link& link, base::PlaceId view) const;
   types::RelPose floored(types::RelPose T) const;
+  std::optional<types::RelPose> motionSinceAnchor() const;
   void addMotion(Work& work);
   void addLink(Work& work, const Link& link);
   void linkNeighbours(Work& work);
@@ -90,7 +92,8 @@ class ViewMapper final : public MapBuilder {
   types::RelPose T_anchor_keyframe_;  // of the robot at the keyframe of the odometry
   types::RelPose T_anchor_robot_;     // as last known
   bool lost_ = true;                  // nothing measured joins the robot to the anchor
-  std::optional<Eigen::Isometry3d> T_odom_last_, T_odom_anchor_;  // wheels
+  DeadReckoning wheels_;              // from the anchor
+  std::optional<Eigen::Isometry3d> T_odom_last_;
 };
 
 }  // namespace engram::pipeline
