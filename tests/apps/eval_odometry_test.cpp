@@ -136,9 +136,8 @@ TEST_F(EvalOdometry, OneEyeCovered) {
 }
 
 TEST_F(EvalOdometry, EyesSwapped) {
-  expectFault(
-      record("s.rawlog", crookedRig(), [](int, types::StereoPair& p) { std::swap(p.left, p.right); }),
-      "swapped", "left and right are swapped");
+  expectFault(record("s.rawlog", crookedRig(), [](int, types::StereoPair& p) { std::swap(p.left, p.right); }),
+              "swapped", "left and right are swapped");
 }
 
 TEST_F(EvalOdometry, EyesOutOfSyncByAFrame) {
@@ -202,7 +201,8 @@ TEST_F(EvalOdometry, BothEyesCovered) {
       record("dark.rawlog", crookedRig(), [&](int, types::StereoPair& p) { p.left = p.right = dark; });
   const auto result = run<EvalProgram>({"odometry", "--rawlog", rawlog, "--truth", writeTruth()});
   EXPECT_EQ(result.code, kError);
-  EXPECT_THAT(result.err, HasSubstr("no motion was found; the last of 24 frames failed with too_few_corners"));
+  EXPECT_THAT(result.err,
+              HasSubstr("no motion was found; the last of 24 frames failed with too_few_corners"));
 }
 
 }  // namespace

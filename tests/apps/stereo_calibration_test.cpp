@@ -48,8 +48,8 @@ std::vector<Eigen::Isometry3d> boards(const cameras::StereoRig& rig, int wanted)
   base::Rng rng(7);
   std::vector<Eigen::Isometry3d> found;
   for (int i = 0; static_cast<int>(found.size()) < wanted; ++i) {
-    const auto T = testing_board::boardPose(2.4 * i, 0.35 * std::sqrt(rng.uniform()), rng.uniform(0.4, 0.7),
-                                            rng);
+    const auto T =
+        testing_board::boardPose(2.4 * i, 0.35 * std::sqrt(rng.uniform()), rng.uniform(0.4, 0.7), rng);
     const auto seen = [&](const cameras::Camera& camera, const Eigen::Isometry3d& T_camera_board) {
       for (const double x : {-1.5, 9.5})
         for (const double y : {-1.5, 6.5}) {
@@ -156,9 +156,9 @@ class StereoCalibrate : public testing::Test {
     }
   }
   std::vector<std::string> command(const std::string& out, std::vector<std::string> more = {}) const {
-    std::vector<std::string> words{"calibrate", "--stereo",  "--images", path("left"),   "--right",
-                                   path("right"), "--board", "9x6",      "--square",     "0.03",
-                                   "--out",       path(out), "-q"};
+    std::vector<std::string> words{"calibrate",   "--stereo", "--images", path("left"), "--right",
+                                   path("right"), "--board",  "9x6",      "--square",   "0.03",
+                                   "--out",       path(out),  "-q"};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }

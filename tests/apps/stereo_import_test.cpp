@@ -50,13 +50,11 @@ std::string euroc(double x, const std::string& distortion = "radial-tangential",
          std::to_string(x) +
          ",\n         0, -1, 0, 0.3,\n         0.0, 0.0, 0.0, 1.0]\nresolution: [640, 480]\n"
          "camera_model: pinhole\nintrinsics: " +
-         k + "\ndistortion_model: " + distortion +
-         "\ndistortion_coefficients: [-0.2, 0.05, 0.001, -0.002]\n";
+         k + "\ndistortion_model: " + distortion + "\ndistortion_coefficients: [-0.2, 0.05, 0.001, -0.002]\n";
 }
 
 TEST_F(StereoImport, EurocBodyIsTheRobot) {
-  const auto rig =
-      importStereoRig(write("cam0.yaml", euroc(0)) + "," + write("cam1.yaml", euroc(-0.11)), {});
+  const auto rig = importStereoRig(write("cam0.yaml", euroc(0)) + "," + write("cam1.yaml", euroc(-0.11)), {});
   ASSERT_TRUE(rig);
   EXPECT_TRUE(rig->left.T_robot_cam.translation().isApprox(Eigen::Vector3d(0.1, 0, 0.3)));
   // The body's -y is the camera's x: the right eye stands 11 cm along it.
