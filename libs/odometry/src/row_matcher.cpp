@@ -57,8 +57,8 @@ cv::Mat smooth(const cv::Mat& image) {
 /// scene look alike, and only vertical edges tell a disparity.
 cv::Mat gradientOf(const cv::Mat& image) {
   cv::Mat difference, gradient;
-  cv::Sobel(image, difference, CV_16S, 1, 0, 1);
-  difference.convertTo(gradient, CV_8U, 2, 128);
+  cv::Sobel(image, difference, CV_16S, 1, 0);
+  difference.convertTo(gradient, CV_8U, 0.5, 128);
   return gradient;
 }
 

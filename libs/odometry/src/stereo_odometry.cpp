@@ -17,7 +17,7 @@ using Eigen::Isometry3d;
 
 constexpr double kSure = 0.5;        // share of the tracks in agreement from which nothing else is tried
 constexpr int kNear = 2;             // levels of the pyramid that do when the motion is as expected
-constexpr float kSimilar = 0.6f;     // correlation of what is tracked: where it is less, tracking got stuck
+constexpr float kSimilar = 0.5f;     // correlation of what is tracked: where it is less, tracking got stuck
 constexpr double kCorrelated = 4;    // see estimate()
 constexpr int kReach = 6;            // [px] from the expected disparity, and …
 constexpr float kReachShare = 0.3f;  // … as a share of it
@@ -141,8 +141,10 @@ void StereoOdometry::Impl::find(View& now, const Isometry3d& expected, OdometryR
   };
   attempt(wide_.match(*keyframe_, now));
   if (result.inliers < kSuggestion) return;
-  attempt(wide_.matchNear(*keyframe_, now, result.T_keyframe_now.T_a_b));
-  attempt(track(now, result.T_keyframe_now.T_a_b, levels));
+  auto near = wide_.matchNear(*keyframe_, now, result.T_keyframe_now.T_a_b);
+  const auto tracked = track(now, result.T_keyframe_now.T_a_b, levels);
+  near.insert(near.end(), tracked.begin(), tracked.end());
+  attempt(near);
 }
 
 bool StereoOdometry::Impl::keyframeDue(const OdometryResult& result) const {
