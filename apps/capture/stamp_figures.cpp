@@ -35,7 +35,7 @@ nlohmann::json stampsJson(const capture::StampStatistics::Summary& s) {
     gaps.push_back({{"from", gap.from}, {"seconds", gap.length}, {"missing", gap.missing}});
   return {
       {"seconds", s.last - s.first},
-      {"interval_ms", {{"median", 1e3 * s.interval}, {"p95", 1e3 * s.interval95}, {"max", 1e3 * s.longest}}},
+      {"interval_ms", {{"period", 1e3 * s.interval}, {"p95", 1e3 * s.interval95}, {"max", 1e3 * s.longest}}},
       {"jitter_ms", 1e3 * s.jitter},
       {"missing", s.missing},
       {"gaps", gaps}};

@@ -8,8 +8,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <netinet/in.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 namespace engram::capture {
@@ -63,6 +67,23 @@ std::string addressOf(ArvDevice* device) {
   std::string result = textOf(text);
   g_free(text);
   return result;
+}
+
+/// Aravis enlarges the buffer of the socket when the first packet is there, and loses much of the first
+/// image.
+void enlargeSocket(std::uint16_t port, int bytes) {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", ignored)) {
+    const int descriptor = std::atoi(entry.path().filename().c_str());
+    sockaddr_in address{};
+    socklen_t size = sizeof address;
+    int type = 0;
+    socklen_t typeSize = sizeof type;
+    if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) == 0 &&
+        address.sin_family == AF_INET && ntohs(address.sin_port) == port &&
+        ::getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &typeSize) == 0 && type == SOCK_DGRAM)
+      ::setsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+  }
 }
 
 void onControlLost(ArvDevice*, std::atomic<bool>* lost) { *lost = true; }
@@ -241,10 +262,12 @@ void GigeCamera::startStream(const GigeParams& params) {
   if (!stream_) throw base::Error("camera '" + settings_.id + "' cannot be received: " + error.message());
   if (ARV_IS_GV_STREAM(stream_.get())) {
     const int bytes = static_cast<int>(params.socket_buffer_mb * (1 << 20));
+    settings_.socketBuffer = static_cast<std::size_t>(bytes);
     g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
                  bytes, "packet-resend",
                  params.resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER,
                  nullptr);
+    enlargeSocket(arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), bytes);
   }
   // The default size of the payload was read before: the camera sends nothing larger while it runs.
   for (int i = 0; i < params.buffers; ++i)
