@@ -145,7 +145,9 @@ void GigeCamera::configure(const GigeParams& params) {
   configureRegion(params);
   if (!params.pixel_format.empty()) {
     arv_camera_set_pixel_format_from_string(camera, params.pixel_format.c_str(), error.out());
-    check(error, "pixel_format", params.pixel_format);
+    if (error)
+      throw base::Error("camera '" + settings_.id + "': pixel_format = " + params.pixel_format +
+                        " is refused; " + formats());
   }
   if (params.frame_rate > 0) {
     arv_camera_set_frame_rate(camera, params.frame_rate, error.out());
@@ -225,15 +227,18 @@ void GigeCamera::requireFormat() const {
   const ArvPixelFormat format = arv_camera_get_pixel_format(camera_.get(), error.out());
   check(error, "pixel_format", "?");
   if (isSupported(format)) return;
+  throw base::Error("camera '" + settings_.id + "' sends " +
+                    textOf(arv_camera_get_pixel_format_as_string(camera_.get(), nullptr)) +
+                    ", which Engram does not read; set pixel_format to another: " + formats());
+}
+
+std::string GigeCamera::formats() const {
   std::string offered;
   guint n = 0;
   const char** names = arv_camera_dup_available_pixel_formats_as_strings(camera_.get(), &n, nullptr);
   for (guint i = 0; i < n; ++i) offered += (i == 0 ? "" : ", ") + textOf(names[i]);
   g_free(names);
-  throw base::Error("camera '" + settings_.id + "' sends " +
-                    textOf(arv_camera_get_pixel_format_as_string(camera_.get(), nullptr)) +
-                    ", which Engram does not read; set pixel_format to one of " + supportedFormats() +
-                    "; this camera offers " + offered);
+  return "this camera offers " + offered + "; Engram reads " + supportedFormats();
 }
 
 void GigeCamera::readSettings() {
