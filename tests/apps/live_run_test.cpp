@@ -146,8 +146,8 @@ TEST_F(LiveRun, TheExampleDescribesACamera) {
   const auto pipelineOf = [](std::string dump) { return dump.substr(0, dump.find("[front]")); };
   EXPECT_EQ(pipelineOf(r.out), slam({config(), "--dump-config"}).out);
   const Wire wire;
-  const RunResult live =
-      slam({example, "--live", "front", "--map", path("m.engram"), "--seconds", "1", "-q"});
+  const RunResult live = slam({example, "--live", "front", "--set", "front.camera=127.0.0.1", "--map",
+                               path("m.engram"), "--seconds", "1", "-q"});
   EXPECT_EQ(live.code, kOk) << live.err;
   EXPECT_GT(soundImages(path("m.engram")), 3u);
 }

@@ -53,8 +53,10 @@ class RunView::Impl {
 
   void show(const types::Frame& frame, const types::FrameReport& report, const map::TopologicalMap& map) {
     state_ = stateAfter(report, state_);
+    if (report.outcome != types::Outcome::kSkipped) known_ = report;
     if (closed_ || (!wanted_ && !paused_)) return;
-    Snapshot snapshot = snapper_.take(frame, report, state_, map);
+    known_.index = report.index;
+    Snapshot snapshot = snapper_.take(frame, known_, state_, map);
     const std::lock_guard lock(mutex_);
     pending_ = std::move(snapshot);
     wanted_ = false;
@@ -204,6 +206,7 @@ class RunView::Impl {
   // In the thread of the run.
   Snapper snapper_;
   RobotState state_ = RobotState::kBlind;
+  types::FrameReport known_;  // of the last image that was not skipped
   // In the thread of the window.
   std::optional<MapScene> scene_;
   std::optional<Annotator> annotator_;
