@@ -27,7 +27,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kWidth = 1280, kHeight = 760, kPanelWidth = 640;  // [px]
 constexpr auto kInterval = 250ms;                               // between pictures
-constexpr int kIdleMs = 60;
+constexpr int kIdleMs =
+    120;  // between drawings of the window, which cost more than the pictures without a GPU
 
 }  // namespace
 
