@@ -95,8 +95,8 @@ void drawState(cv::Mat& panel, const PanelContent& content, const cv::Rect& box)
 /// Words side by side, each in its colour.
 void writeRow(cv::Mat& panel, const std::vector<std::pair<std::string, cv::Scalar>>& words, cv::Point at) {
   for (const auto& [word, wordColour] : words) {
-    write(panel, word, at, wordColour, 0.45);
-    at.x += cv::getTextSize(word, cv::FONT_HERSHEY_SIMPLEX, 0.45, 1, nullptr).width + 14;
+    write(panel, word, at, wordColour, 0.42);
+    at.x += cv::getTextSize(word, cv::FONT_HERSHEY_SIMPLEX, 0.42, 1, nullptr).width + 12;
   }
 }
 
