@@ -20,10 +20,17 @@ double quantile(std::vector<double> values, double share) {
 /// images were taken at will.
 double period(const std::vector<double>& intervals) {
   const double shortest = quantile(intervals, 0.05);
-  std::vector<double> whole;
-  for (const double interval : intervals)
-    if (interval > 0.5 * shortest && interval < 1.5 * shortest) whole.push_back(interval);
-  const double unit = quantile(whole, 0.5);
+  const auto meanNear = [&intervals](double guess) {
+    double sum = 0.0;
+    std::size_t n = 0;
+    for (const double interval : intervals)
+      if (interval > 0.5 * guess && interval < 1.5 * guess) {
+        sum += interval;
+        ++n;
+      }
+    return n > 0 ? sum / static_cast<double>(n) : guess;
+  };
+  const double unit = meanNear(meanNear(shortest));
   const auto multiples = std::count_if(intervals.begin(), intervals.end(), [unit](double interval) {
     const double n = interval / unit;
     return std::abs(n - std::round(n)) < 0.2;

@@ -63,8 +63,8 @@ void MapScene::show(const MapSketch& map) {
     add(travelled ? travelled_ : edge.type == map::EdgeType::kWeak ? weak_ : closures_, edge.a, edge.b);
   }
   for (std::size_t i = 1; i < map.path.size(); ++i) add(path_, map.path[i - 1], map.path[i]);
-  robot_->setVisibility(!map.path.empty());
-  if (!map.path.empty()) robot_->setLocation(map.path.back().x(), map.path.back().y(), map.path.back().z());
+  robot_->setVisibility(map.robot.has_value());
+  if (map.robot) robot_->setLocation(map.robot->x(), map.robot->y(), map.robot->z());
 }
 
 void MapScene::showPanel(const cv::Mat& panel) {

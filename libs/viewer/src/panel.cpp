@@ -152,21 +152,27 @@ void drawBelief(cv::Mat& panel, const PanelContent& content, const cv::Rect& box
   write(panel, "belief: " + likeliest(content.report), {chart.x, box.y + 16}, kText);
   cv::rectangle(panel, chart, kFaint, 1);
   const double slots = static_cast<double>(std::max<std::size_t>(content.places, 1)) + 1.0;
+  const int width = std::clamp(cvRound(chart.width / slots * 0.8), 4, 40);
+  std::vector<cv::Range> labelled;
   const auto bar = [&](double slot, double probability, const cv::Scalar& barColour,
                        const std::string& label) {
-    const int width = std::clamp(cvRound(chart.width / slots * 0.8), 4, 40);
     const int x = chart.x + cvRound(chart.width * (slot + 0.5) / slots) - width / 2;
     const int height = cvRound(std::clamp(probability, 0.0, 1.0) * (chart.height - 2));
     const cv::Rect body = cv::Rect(x, chart.y + chart.height - height, width, height) & chart;
     cv::rectangle(panel, body, barColour, cv::FILLED);
-    if (probability < 0.05) return;
     const int textWidth = cv::getTextSize(label, cv::FONT_HERSHEY_SIMPLEX, 0.4, 1, nullptr).width;
-    write(panel, label,
-          {std::clamp(x + width / 2 - textWidth / 2, chart.x, chart.x + chart.width - textWidth),
-           chart.y + chart.height + 14},
-          kText, 0.4);
+    const int left = std::clamp(x + width / 2 - textWidth / 2, chart.x, chart.x + chart.width - textWidth);
+    const cv::Range span(left - 3, left + textWidth + 3);
+    const bool hides = std::any_of(labelled.begin(), labelled.end(),
+                                   [&](const cv::Range& other) { return !(span & other).empty(); });
+    if (probability < 0.05 || hides) return;
+    labelled.push_back(span);
+    write(panel, label, {left, chart.y + chart.height + 14}, kText, 0.4);
   };
-  for (const auto& h : content.report.hypotheses)
+  auto hypotheses = content.report.hypotheses;  // the likeliest first: its number must be seen
+  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                   [](const auto& a, const auto& b) { return a.posterior > b.posterior; });
+  for (const auto& h : hypotheses)
     bar(h.place.value, h.posterior, h.place == content.report.place ? kLongTerm : kText,
         std::to_string(h.place.value));
   bar(slots - 1.0, content.report.newPlaceProbability, kNewPlace, "new");
