@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +16,7 @@ namespace {
 
 using types::Outcome;
 
-const cv::Scalar kBackground(28, 28, 28), kText(230, 230, 230), kFaint(120, 120, 120);
+const cv::Scalar kBackground(28, 28, 28), kText(230, 230, 230), kFaint(150, 150, 150);
 const cv::Scalar kLongTerm(80, 220, 80), kShortTerm(40, 160, 255), kUnknown(150, 150, 150);
 const cv::Scalar kNewPlace(255, 170, 60);
 
@@ -100,6 +101,29 @@ void writeRow(cv::Mat& panel, const std::vector<std::pair<std::string, cv::Scala
   }
 }
 
+/// Words in lines that are no wider than the box; what needs more than two is cut.
+void writeWrapped(cv::Mat& panel, const std::string& text, cv::Point at, int width) {
+  std::istringstream words(text);
+  std::string line, word;
+  int lines = 1;
+  const auto fits = [width](const std::string& t) {
+    return cv::getTextSize(t, cv::FONT_HERSHEY_SIMPLEX, 0.42, 1, nullptr).width <= width;
+  };
+  while (words >> word) {
+    const std::string longer = line.empty() ? word : line + " " + word;
+    if (fits(longer)) {
+      line = longer;
+      continue;
+    }
+    if (lines++ == 2) break;
+    write(panel, line, at, kFaint, 0.42);
+    at.y += 18;
+    line = word;
+  }
+  while (!line.empty() && !fits(line)) line.pop_back();
+  write(panel, line, at, kFaint, 0.42);
+}
+
 /// The place that is shown, and what speaks for it.
 std::string evidence(const PanelContent& content) {
   const auto& report = content.report;
@@ -118,7 +142,7 @@ std::string evidence(const PanelContent& content) {
 void drawMatched(cv::Mat& panel, const PanelContent& content, const cv::Rect& box) {
   int line = box.y + 20;
   if (!content.matched.empty()) {
-    const cv::Rect picture(box.x + 8, box.y + 8, box.width - 16, box.height * 5 / 8);
+    const cv::Rect picture(box.x + 8, box.y + 8, box.width - 16, box.height * 9 / 16);
     fit(panel, content.matched, picture);
     line = picture.y + picture.height + 22;
   }
@@ -132,7 +156,7 @@ void drawMatched(cv::Mat& panel, const PanelContent& content, const cv::Rect& bo
             {"short-term " + count(Mark::Kind::kShortTerm), kShortTerm},
             {"other " + count(Mark::Kind::kUnknown), kUnknown}},
            {box.x + 10, line + 21});
-  write(panel, content.report.reason.substr(0, 46), {box.x + 10, line + 42}, kFaint, 0.45);
+  writeWrapped(panel, content.report.reason, {box.x + 10, line + 42}, box.width - 18);
 }
 
 std::string likeliest(const types::FrameReport& report) {
