@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iomanip>
 #include <ostream>
+#include <string>
 
 namespace engram::apps {
 namespace {
@@ -19,14 +20,17 @@ void printStamps(std::ostream& out, const capture::StampStatistics::Summary& s) 
       << s.rate << " per second; interval " << 1e3 * s.interval << " ms +- " << 1e3 * s.jitter
       << " (95 %: " << 1e3 * s.interval95 << ", max: " << 1e3 * s.longest << ")\n";
   if (s.gaps.empty()) return;
-  out << "  " << s.gaps.size() << (s.gaps.size() == 1 ? " gap" : " gaps") << ", room for " << s.missing
-      << " images" << (s.gaps.size() > kGapsShown ? "; the longest:\n" : ":\n");
+  const auto counted = [](std::size_t n, const char* what) {
+    return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+  };
+  out << "  " << counted(s.gaps.size(), "gap") << ", room for " << counted(s.missing, "image")
+      << (s.gaps.size() > kGapsShown ? "; the longest:\n" : ":\n");
   auto gaps = s.gaps;
   std::stable_sort(gaps.begin(), gaps.end(),
                    [](const auto& a, const auto& b) { return a.length > b.length; });
   for (std::size_t i = 0; i < std::min(gaps.size(), kGapsShown); ++i)
-    out << "    " << gaps[i].length << " s after " << gaps[i].from - s.first << " s, " << gaps[i].missing
-        << " images\n";
+    out << "    " << gaps[i].length << " s after " << gaps[i].from - s.first << " s, "
+        << counted(gaps[i].missing, "image") << "\n";
 }
 
 nlohmann::json stampsJson(const capture::StampStatistics::Summary& s) {
@@ -35,7 +39,7 @@ nlohmann::json stampsJson(const capture::StampStatistics::Summary& s) {
     gaps.push_back({{"from", gap.from}, {"seconds", gap.length}, {"missing", gap.missing}});
   return {
       {"seconds", s.last - s.first},
-      {"interval_ms", {{"median", 1e3 * s.interval}, {"p95", 1e3 * s.interval95}, {"max", 1e3 * s.longest}}},
+      {"interval_ms", {{"period", 1e3 * s.interval}, {"p95", 1e3 * s.interval95}, {"max", 1e3 * s.longest}}},
       {"jitter_ms", 1e3 * s.jitter},
       {"missing", s.missing},
       {"gaps", gaps}};

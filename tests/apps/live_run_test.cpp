@@ -18,6 +18,7 @@
 namespace engram::apps {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -134,6 +135,21 @@ TEST_F(LiveRun, SaysWhatIsWrong) {
           "exists already");
   EXPECT_THAT(slam({config, "--live", "front"}).err, HasSubstr("--live needs --map"));
   EXPECT_EQ(bytesOf(path("r.rawlog")), "precious");
+}
+
+TEST_F(LiveRun, TheExampleDescribesACamera) {
+  const std::string example = ENGRAM_SOURCE_DIR "/config/live_omni.ini";
+  const RunResult r = slam({example, "--live", "front", "--dump-config"});
+  EXPECT_EQ(r.code, kOk) << r.err;
+  EXPECT_THAT(r.out, AllOf(HasSubstr("trigger = off\n"), HasSubstr("frame_rate = 10\n")));
+  // It works as it stands, and maps as fsh_omni.ini does.
+  const auto pipelineOf = [](std::string dump) { return dump.substr(0, dump.find("[front]")); };
+  EXPECT_EQ(pipelineOf(r.out), slam({config(), "--dump-config"}).out);
+  const Wire wire;
+  const RunResult live = slam({example, "--live", "front", "--set", "front.camera=127.0.0.1", "--map",
+                               path("m.engram"), "--seconds", "1", "-q"});
+  EXPECT_EQ(live.code, kOk) << live.err;
+  EXPECT_GT(soundImages(path("m.engram")), 3u);
 }
 
 TEST_F(LiveRun, SensorsOfTheConfigurationDoNotDisturbARunOnARawlog) {

@@ -122,6 +122,9 @@ TEST(GrabStats, AdviceNamesTheSettingThatHelps) {
   EXPECT_EQ(adviceOnLoss(stats), "");  // nothing was lost
   camera.incomplete = 3;
   EXPECT_THAT(adviceOnLoss(stats), HasSubstr("sysctl -w net.core.rmem_max=16777216"));
+  camera.settings.socketBuffer = 100 << 10;
+  EXPECT_THAT(adviceOnLoss(stats), HasSubstr("raise socket_buffer_mb to 9"));
+  camera.settings.socketBuffer = 16 << 20;
   camera.settings.socketLimit = 64 << 20;
   EXPECT_THAT(adviceOnLoss(stats), HasSubstr("packet_delay_us"));
   camera.packets.underruns = 2;

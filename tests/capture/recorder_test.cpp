@@ -11,6 +11,7 @@
 
 #include <filesystem>
 #include <numeric>
+#include <random>
 
 namespace engram::capture {
 namespace {
@@ -117,6 +118,34 @@ TEST(StampStatistics, KnowsRateJitterAndGaps) {
   EXPECT_EQ(s.gaps[0].missing, 5u);
   EXPECT_EQ(s.gaps[1].missing, 1u);
   EXPECT_EQ(s.missing, 6u);
+}
+
+TEST(StampStatistics, KnowsThePeriodWhenMostImagesAreLost) {
+  std::mt19937 random(3);
+  for (const double loss : {0.2, 0.6, 0.85}) {
+    StampStatistics statistics;
+    std::bernoulli_distribution lost(loss);
+    std::normal_distribution<double> jitter(0.0, 1e-3);
+    std::size_t arrived = 0;
+    for (int i = 0; i < 2000; ++i) {
+      if (i > 0 && i < 1999 && lost(random)) continue;
+      statistics.add(kStart + i / 30.0 + jitter(random));
+      ++arrived;
+    }
+    const auto s = statistics.summary();
+    EXPECT_NEAR(s.interval, 1.0 / 30.0, 1e-3) << loss;
+    EXPECT_NEAR(static_cast<double>(s.missing), static_cast<double>(2000 - arrived), 20.0) << loss;
+    EXPECT_LT(s.jitter, 2e-3);
+  }
+}
+
+TEST(StampStatistics, ImagesTakenAtWillHaveTheirMedian) {
+  StampStatistics statistics;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> interval(0.1, 2.0);
+  double stamp = kStart;
+  for (int i = 0; i < 1001; ++i) statistics.add(stamp += interval(random));
+  EXPECT_NEAR(statistics.summary().interval, 1.05, 0.1);
 }
 
 TEST(StampStatistics, NeedsTwoImages) {

@@ -152,6 +152,7 @@ TEST(LiveRawlog, AFullDiskKeepsWhatWasFlushed) {
     }
     setrlimit(RLIMIT_FSIZE, &old);
     safe = writer.framesSafe();
+    EXPECT_EQ(writer.bytes(), fs::file_size(path));
     EXPECT_THROW(writer.add(makeFrame(0)), base::Error);
   }
   EXPECT_THAT(message, HasSubstr("free some space"));

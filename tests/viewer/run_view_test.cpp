@@ -8,12 +8,14 @@
 #include "engram/base/error.h"
 
 #include <gmock/gmock.h>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <thread>
 
@@ -59,6 +61,10 @@ map::TopologicalMap smallMap() {
   return map;
 }
 
+bool same(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_L1) == 0.0;
+}
+
 TEST(RunView, SaysThatThereIsNoDisplay) {
   const char* display = std::getenv("DISPLAY");
   const std::string before = display ? display : "";
@@ -93,21 +99,37 @@ TEST(RunView, ShowsARunOnAVirtualScreen) {
   types::Frame frame;
   frame.image = cv::Mat(240, 320, CV_8UC1);
   cv::RNG(1).fill(frame.image, cv::RNG::UNIFORM, 0, 256);
+  cv::Mat panel, later;
   {
     RunView view({}, "test");
-    const auto end = std::chrono::steady_clock::now() + 20s;
-    while (!fs::exists(picture) && std::chrono::steady_clock::now() < end) {
-      view.show(frame, report, map);
-      EXPECT_EQ(view.wish([] { return false; }), RunView::Wish::kGoOn);  // nobody has pressed a button
-      view.savePicture(picture);                                         // once one was drawn
-      std::this_thread::sleep_for(20ms);
-    }
+    // Shows it until what is saved satisfies `done`.
+    const auto showUntil = [&](const std::function<bool(const cv::Mat&)>& done) {
+      const auto end = std::chrono::steady_clock::now() + 20s;
+      cv::Mat saved;
+      while (!done(saved) && std::chrono::steady_clock::now() < end) {
+        view.show(frame, report, map);
+        EXPECT_EQ(view.wish([] { return false; }), RunView::Wish::kGoOn);  // nobody has pressed a button
+        view.savePicture(picture);                                         // once one was drawn
+        if (fs::exists(picture)) saved = cv::imread(picture);
+        std::this_thread::sleep_for(20ms);
+      }
+      return saved;
+    };
+    panel = showUntil([](const cv::Mat& saved) { return !saved.empty(); });
+    report = {};  // an image that was passed over
+    report.index = 7;
+    report.outcome = types::Outcome::kSkipped;
+    later = showUntil([&](const cv::Mat& saved) { return !saved.empty() && !same(saved, panel); });
     EXPECT_FALSE(view.closed());
   }
-  const cv::Mat panel = cv::imread(picture);
   fs::remove(picture);
   ASSERT_FALSE(panel.empty());
   EXPECT_EQ(panel.at<cv::Vec3b>(10, 320), cv::Vec3b(70, 170, 70));  // tracking
+  // What was known stays in the picture: only the number of the image is another.
+  EXPECT_FALSE(same(later, panel));
+  const auto withoutNumber = [](const cv::Mat& p) { return p.rowRange(38, p.rows); };
+  EXPECT_TRUE(same(withoutNumber(later), withoutNumber(panel)));
+  EXPECT_EQ(later.at<cv::Vec3b>(10, 320), cv::Vec3b(70, 170, 70));
 }
 
 }  // namespace

@@ -85,7 +85,8 @@ int listenAt(const std::string& path) {
 std::string streamLine(const types::FrameReport& report, const std::optional<StreamPose>& pose) {
   using Json = nlohmann::ordered_json;
   const auto id = [](base::PlaceId place) { return place.valid() ? Json(place.value) : Json(nullptr); };
-  const auto rounded = [](double value, double unit) { return std::round(value / unit) * unit; };
+  const auto rounded = [](double value, double perUnit) { return std::round(value * perUnit) / perUnit; };
+  constexpr double kMillion = 1e6;
   Json j = {{"index", report.index},
             {"stamp", report.stamp},
             {"outcome", types::toString(report.outcome)},
@@ -93,22 +94,23 @@ std::string streamLine(const types::FrameReport& report, const std::optional<Str
             {"best_guess", id(report.bestGuess)},
             {"pose", nullptr},
             {"belief", Json::array()},
-            {"new_place", rounded(report.newPlaceProbability, 1e-6)},
+            {"new_place", rounded(report.newPlaceProbability, kMillion)},
             {"inliers", nullptr},
             {"latency_ms", nullptr}};
   if (pose) {
     Json heading = nullptr;
-    if (pose->heading) heading = *pose->heading * 180.0 / std::numbers::pi;
-    j["pose"] = {{"x", pose->position.x()}, {"y", pose->position.y()}, {"z", pose->position.z()}};
+    if (pose->heading) heading = rounded(*pose->heading * 180.0 / std::numbers::pi, kMillion);
+    const auto metres = [&](int axis) { return rounded(pose->position[axis], kMillion); };
+    j["pose"] = {{"x", metres(0)}, {"y", metres(1)}, {"z", metres(2)}};
     j["pose"]["heading_deg"] = heading;
   }
   int inliers = -1;
   for (const auto& h : report.hypotheses) {
-    j["belief"].push_back({{"place", id(h.place)}, {"probability", rounded(h.posterior, 1e-6)}});
+    j["belief"].push_back({{"place", id(h.place)}, {"probability", rounded(h.posterior, kMillion)}});
     inliers = std::max(inliers, h.inliers);
   }
   if (inliers >= 0) j["inliers"] = inliers;
-  if (report.live) j["latency_ms"] = rounded(report.live->latency, 1e-3);
+  if (report.live) j["latency_ms"] = rounded(report.live->latency, 1e3);
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -8,8 +8,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <netinet/in.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 namespace engram::capture {
@@ -63,6 +67,23 @@ std::string addressOf(ArvDevice* device) {
   std::string result = textOf(text);
   g_free(text);
   return result;
+}
+
+/// Aravis enlarges the buffer of the socket when the first packet is there, and loses much of the first
+/// image.
+void enlargeSocket(std::uint16_t port, int bytes) {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", ignored)) {
+    const int descriptor = std::atoi(entry.path().filename().c_str());
+    sockaddr_in address{};
+    socklen_t size = sizeof address;
+    int type = 0;
+    socklen_t typeSize = sizeof type;
+    if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) == 0 &&
+        address.sin_family == AF_INET && ntohs(address.sin_port) == port &&
+        ::getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &typeSize) == 0 && type == SOCK_DGRAM)
+      ::setsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+  }
 }
 
 void onControlLost(ArvDevice*, std::atomic<bool>* lost) { *lost = true; }
@@ -124,7 +145,9 @@ void GigeCamera::configure(const GigeParams& params) {
   configureRegion(params);
   if (!params.pixel_format.empty()) {
     arv_camera_set_pixel_format_from_string(camera, params.pixel_format.c_str(), error.out());
-    check(error, "pixel_format", params.pixel_format);
+    if (error)
+      throw base::Error("camera '" + settings_.id + "': pixel_format = " + params.pixel_format +
+                        " is refused; " + formats());
   }
   if (params.frame_rate > 0) {
     arv_camera_set_frame_rate(camera, params.frame_rate, error.out());
@@ -204,15 +227,18 @@ void GigeCamera::requireFormat() const {
   const ArvPixelFormat format = arv_camera_get_pixel_format(camera_.get(), error.out());
   check(error, "pixel_format", "?");
   if (isSupported(format)) return;
+  throw base::Error("camera '" + settings_.id + "' sends " +
+                    textOf(arv_camera_get_pixel_format_as_string(camera_.get(), nullptr)) +
+                    ", which Engram does not read; set pixel_format to another: " + formats());
+}
+
+std::string GigeCamera::formats() const {
   std::string offered;
   guint n = 0;
   const char** names = arv_camera_dup_available_pixel_formats_as_strings(camera_.get(), &n, nullptr);
   for (guint i = 0; i < n; ++i) offered += (i == 0 ? "" : ", ") + textOf(names[i]);
   g_free(names);
-  throw base::Error("camera '" + settings_.id + "' sends " +
-                    textOf(arv_camera_get_pixel_format_as_string(camera_.get(), nullptr)) +
-                    ", which Engram does not read; set pixel_format to one of " + supportedFormats() +
-                    "; this camera offers " + offered);
+  return "this camera offers " + offered + "; Engram reads " + supportedFormats();
 }
 
 void GigeCamera::readSettings() {
@@ -241,10 +267,12 @@ void GigeCamera::startStream(const GigeParams& params) {
   if (!stream_) throw base::Error("camera '" + settings_.id + "' cannot be received: " + error.message());
   if (ARV_IS_GV_STREAM(stream_.get())) {
     const int bytes = static_cast<int>(params.socket_buffer_mb * (1 << 20));
+    settings_.socketBuffer = static_cast<std::size_t>(bytes);
     g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
                  bytes, "packet-resend",
                  params.resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER,
                  nullptr);
+    enlargeSocket(arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), bytes);
   }
   // The default size of the payload was read before: the camera sends nothing larger while it runs.
   for (int i = 0; i < params.buffers; ++i)

@@ -54,6 +54,7 @@ class GigeCamera {
   void configureTrigger(const GigeParams& params);
   void configureNetwork(const GigeParams& params);
   void requireFormat() const;
+  std::string formats() const;  ///< that the camera and Engram know, for a message
   void readSettings();
   void startStream(const GigeParams& params);
   void triggerIfDue();

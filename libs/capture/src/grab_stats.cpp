@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/capture/grab_stats.h"
 
+#include <algorithm>
+
 namespace engram::capture {
 namespace {
 
@@ -12,8 +14,22 @@ std::size_t sum(const GrabStats& stats, Member member) {
   return total;
 }
 
-/// Bytes of an image that must fit in the buffer of the socket while the receiving thread is not running.
-bool socketTooSmall(const CameraSettings& s) { return s.socketLimit > 0 && s.socketLimit < 2 * s.payload; }
+/// What to set so that two images fit in the buffer of the socket, which must hold what comes while the
+/// receiving thread is not running; empty when they do.
+std::string adviceOnSocket(const CameraSettings& s) {
+  const std::size_t needed = 2 * s.payload;
+  const auto advice = [&](const std::string& has, const std::string& set) {
+    return "; an image has " + std::to_string(s.payload) + " bytes, " + has + ": " + set;
+  };
+  if (s.socketBuffer > 0 && s.socketBuffer < needed)
+    return advice("the socket a buffer of " + std::to_string(s.socketBuffer),
+                  "raise socket_buffer_mb to " + std::to_string((needed >> 20) + 1));
+  if (s.socketLimit > 0 && s.socketLimit < needed)
+    return advice(
+        "the system allows a socket buffer of " + std::to_string(s.socketLimit),
+        "as root, sysctl -w net.core.rmem_max=" + std::to_string(std::max(std::size_t{8} << 20, 2 * needed)));
+  return {};
+}
 
 }  // namespace
 
@@ -36,12 +52,9 @@ std::string adviceOnLoss(const GrabStats& stats) {
     if (camera.packets.underruns > 0)
       advice += "; " + std::to_string(camera.packets.underruns) +
                 " images found no free buffer: raise buffers, or lower frame_rate: this computer is too slow";
-    if (socketTooSmall(s))
-      advice += "; an image has " + std::to_string(s.payload) +
-                " bytes, the system allows a socket buffer of " + std::to_string(s.socketLimit) +
-                ": as root, sysctl -w net.core.rmem_max=" +
-                std::to_string(std::size_t{8} << 20 > 4 * s.payload ? std::size_t{8} << 20 : 4 * s.payload);
-    else if (camera.incomplete > 0 && s.packetSize > 0)
+    const std::string socket = adviceOnSocket(s);
+    advice += socket;
+    if (socket.empty() && camera.incomplete > 0 && s.packetSize > 0)
       advice +=
           "; packets are lost on the way: raise packet_delay_us (and packet_size where all switches and "
           "the interface take jumbo frames), or lower frame_rate";

@@ -111,7 +111,7 @@ std::string LiveSource::problem() const {
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
   if (s.queue.dropped > 0)
     add(std::to_string(s.queue.dropped) + " of " + std::to_string(s.queue.pushed) +
-        " images were dropped to keep up with the camera");
+        " images were dropped to keep up with the camera; a lower frame_rate saves processor time");
   if (s.grab.lost() > 0) {
     add(std::to_string(s.grab.lost()) + " images were lost");
     const std::string advice = adviceOnLoss(s.grab);

@@ -36,7 +36,8 @@ std::optional<types::Frame> Source::next() {
          {std::pair(&entry.image, &frame.image), std::pair(&entry.right, &frame.right)}) {
       if (path->empty()) continue;
       Decoded decoded = readImageFile(*path);
-      if (decoded.image.empty() && firstFailure_.empty()) firstFailure_ = decoded.failure;
+      if (decoded.image.empty() && firstFailure_.empty())
+        firstFailure_ = path->substr(path->rfind('/') + 1) + ": " + decoded.failure;
       *image = std::move(decoded.image);
     }
     if (frame.image.empty() || (!entry.right.empty() && frame.right.empty())) {

@@ -143,6 +143,7 @@ class RawlogWriter::Impl {
       write();
     } catch (...) {
       out_->cutBack();
+      finalBytes_ = out_->size();
       out_.reset();
       throw;
     }

@@ -32,7 +32,7 @@ MapScene::MapScene(double share) : scene_(gl::COpenGLScene::Create()) {
   places_->setPointSize(9);
   scene_->insert(places_);
   robot_ = gl::CSetOfObjects::Create();
-  auto ball = gl::CSphere::Create(0.25f, 12);
+  auto ball = gl::CSphere::Create(1.0f, 12);
   ball->setColor_u8({255, 210, 0});
   robot_->insert(ball);
   robot_->setVisibility(false);
@@ -63,8 +63,9 @@ void MapScene::show(const MapSketch& map) {
     add(travelled ? travelled_ : edge.type == map::EdgeType::kWeak ? weak_ : closures_, edge.a, edge.b);
   }
   for (std::size_t i = 1; i < map.path.size(); ++i) add(path_, map.path[i - 1], map.path[i]);
-  robot_->setVisibility(!map.path.empty());
-  if (!map.path.empty()) robot_->setLocation(map.path.back().x(), map.path.back().y(), map.path.back().z());
+  robot_->setVisibility(map.robot.has_value());
+  if (map.robot) robot_->setLocation(map.robot->x(), map.robot->y(), map.robot->z());
+  robot_->setScale(std::max(0.25f, 0.012f * extent()));  // seen in a large map as well
 }
 
 void MapScene::showPanel(const cv::Mat& panel) {

@@ -6,13 +6,17 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace engram::viewer {
 namespace {
 
 using types::Outcome;
 
-const cv::Scalar kBackground(28, 28, 28), kText(230, 230, 230), kFaint(120, 120, 120);
+const cv::Scalar kBackground(28, 28, 28), kText(230, 230, 230), kFaint(150, 150, 150);
 const cv::Scalar kLongTerm(80, 220, 80), kShortTerm(40, 160, 255), kUnknown(150, 150, 150);
 const cv::Scalar kNewPlace(255, 170, 60);
 
@@ -65,7 +69,7 @@ void drawImage(cv::Mat& panel, const PanelContent& content, const cv::Rect& box)
     for (const Mark& mark : content.marks) {
       if (mark.kind != kind) continue;
       const cv::Point at(cvRound(corner.x + scale * mark.at.x), cvRound(corner.y + scale * mark.at.y));
-      const int radius = std::clamp(cvRound(0.3 * scale * mark.size), 2, 10);
+      const int radius = std::clamp(cvRound(0.3 * scale * mark.size), 2, 6);
       cv::circle(panel, at, radius, colourOf(kind), 1, cv::LINE_AA);
     }
 }
@@ -89,50 +93,110 @@ void drawState(cv::Mat& panel, const PanelContent& content, const cv::Rect& box)
   write(panel, right, {box.x + box.width - width - 10, box.y + 25}, {255, 255, 255});
 }
 
-void drawMatched(cv::Mat& panel, const PanelContent& content, const cv::Rect& box) {
+/// Words side by side, each in its colour.
+void writeRow(cv::Mat& panel, const std::vector<std::pair<std::string, cv::Scalar>>& words, cv::Point at) {
+  for (const auto& [word, wordColour] : words) {
+    write(panel, word, at, wordColour, 0.42);
+    at.x += cv::getTextSize(word, cv::FONT_HERSHEY_SIMPLEX, 0.42, 1, nullptr).width + 12;
+  }
+}
+
+/// Words in lines that are no wider than the box; what needs more than two is cut.
+void writeWrapped(cv::Mat& panel, const std::string& text, cv::Point at, int width) {
+  std::istringstream words(text);
+  std::string line, word;
+  int lines = 1;
+  const auto fits = [width](const std::string& t) {
+    return cv::getTextSize(t, cv::FONT_HERSHEY_SIMPLEX, 0.42, 1, nullptr).width <= width;
+  };
+  while (words >> word) {
+    const std::string longer = line.empty() ? word : line + " " + word;
+    if (fits(longer)) {
+      line = longer;
+      continue;
+    }
+    if (lines++ == 2) break;
+    write(panel, line, at, kFaint, 0.42);
+    at.y += 18;
+    line = word;
+  }
+  while (!line.empty() && !fits(line)) line.pop_back();
+  write(panel, line, at, kFaint, 0.42);
+}
+
+/// The place that is shown, and what speaks for it.
+std::string evidence(const PanelContent& content) {
   const auto& report = content.report;
+  if (report.place.valid()) {
+    const auto matched = std::count_if(content.marks.begin(), content.marks.end(),
+                                       [](const Mark& m) { return m.kind != Mark::Kind::kUnknown; });
+    return "place " + std::to_string(report.place.value) + ": " + std::to_string(matched) + " of " +
+           std::to_string(content.marks.size()) + " features match";
+  }
+  if (!report.bestGuess.valid()) return "no place was tried";
+  const int inliers = bestInliers(report);
+  return "best guess: place " + std::to_string(report.bestGuess.value) +
+         (inliers >= 0 ? ", inliers: " + std::to_string(inliers) : ", not tried");
+}
+
+void drawMatched(cv::Mat& panel, const PanelContent& content, const cv::Rect& box) {
   int line = box.y + 20;
   if (!content.matched.empty()) {
-    const cv::Rect picture(box.x + 8, box.y + 8, box.width - 16, box.height * 5 / 8);
+    const cv::Rect picture(box.x + 8, box.y + 8, box.width - 16, box.height * 9 / 16);
     fit(panel, content.matched, picture);
     line = picture.y + picture.height + 22;
   }
-  const auto say = [&](const std::string& text, const cv::Scalar& textColour = kText) {
-    write(panel, text, {box.x + 10, line}, textColour);
-    line += 20;
-  };
-  const int inliers = bestInliers(report);
-  say("inliers: " + (inliers >= 0 ? std::to_string(inliers) : std::string("none tried")));
+  write(panel, evidence(content), {box.x + 10, line}, kText);
   const auto count = [&](Mark::Kind kind) {
-    return std::count_if(content.marks.begin(), content.marks.end(),
-                         [kind](const Mark& m) { return m.kind == kind; });
+    return std::to_string(std::count_if(content.marks.begin(), content.marks.end(),
+                                        [kind](const Mark& m) { return m.kind == kind; }));
   };
-  say("long-term " + std::to_string(count(Mark::Kind::kLongTerm)), kLongTerm);
-  say("short-term " + std::to_string(count(Mark::Kind::kShortTerm)), kShortTerm);
-  if (!report.reason.empty()) say(report.reason.substr(0, 42), kFaint);
+  writeRow(panel,
+           {{"long-term " + count(Mark::Kind::kLongTerm), kLongTerm},
+            {"short-term " + count(Mark::Kind::kShortTerm), kShortTerm},
+            {"other " + count(Mark::Kind::kUnknown), kUnknown}},
+           {box.x + 10, line + 21});
+  writeWrapped(panel, content.report.reason, {box.x + 10, line + 42}, box.width - 18);
+}
+
+std::string likeliest(const types::FrameReport& report) {
+  const auto best = std::max_element(report.hypotheses.begin(), report.hypotheses.end(),
+                                     [](const auto& a, const auto& b) { return a.posterior < b.posterior; });
+  const bool known = best != report.hypotheses.end() && best->posterior > report.newPlaceProbability;
+  const double probability = known ? best->posterior : report.newPlaceProbability;
+  if (probability <= 0.0) return "none yet";
+  char text[64];
+  std::snprintf(text, sizeof text, ", %.0f %%", 100.0 * probability);
+  return (known ? "place " + std::to_string(best->place.value) : "new ground") + text;
 }
 
 /// Bars over the places in the order of their numbers; the new place at the right end.
 void drawBelief(cv::Mat& panel, const PanelContent& content, const cv::Rect& box) {
   const cv::Rect chart(box.x + 8, box.y + 24, box.width - 16, box.height - 48);
-  write(panel, "belief", {chart.x, box.y + 16}, kText);
+  write(panel, "belief: " + likeliest(content.report), {chart.x, box.y + 16}, kText);
   cv::rectangle(panel, chart, kFaint, 1);
   const double slots = static_cast<double>(std::max<std::size_t>(content.places, 1)) + 1.0;
+  const int width = std::clamp(cvRound(chart.width / slots * 0.8), 4, 40);
+  std::vector<cv::Range> labelled;
   const auto bar = [&](double slot, double probability, const cv::Scalar& barColour,
                        const std::string& label) {
-    const int width = std::clamp(cvRound(chart.width / slots * 0.8), 4, 40);
     const int x = chart.x + cvRound(chart.width * (slot + 0.5) / slots) - width / 2;
     const int height = cvRound(std::clamp(probability, 0.0, 1.0) * (chart.height - 2));
     const cv::Rect body = cv::Rect(x, chart.y + chart.height - height, width, height) & chart;
     cv::rectangle(panel, body, barColour, cv::FILLED);
-    if (probability < 0.05) return;
     const int textWidth = cv::getTextSize(label, cv::FONT_HERSHEY_SIMPLEX, 0.4, 1, nullptr).width;
-    write(panel, label,
-          {std::clamp(x + width / 2 - textWidth / 2, chart.x, chart.x + chart.width - textWidth),
-           chart.y + chart.height + 14},
-          kText, 0.4);
+    const int left = std::clamp(x + width / 2 - textWidth / 2, chart.x, chart.x + chart.width - textWidth);
+    const cv::Range span(left - 3, left + textWidth + 3);
+    const bool hides = std::any_of(labelled.begin(), labelled.end(),
+                                   [&](const cv::Range& other) { return !(span & other).empty(); });
+    if (probability < 0.05 || hides) return;
+    labelled.push_back(span);
+    write(panel, label, {left, chart.y + chart.height + 14}, kText, 0.4);
   };
-  for (const auto& h : content.report.hypotheses)
+  auto hypotheses = content.report.hypotheses;  // the likeliest first: its number must be seen
+  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                   [](const auto& a, const auto& b) { return a.posterior > b.posterior; });
+  for (const auto& h : hypotheses)
     bar(h.place.value, h.posterior, h.place == content.report.place ? kLongTerm : kText,
         std::to_string(h.place.value));
   bar(slots - 1.0, content.report.newPlaceProbability, kNewPlace, "new");

@@ -27,7 +27,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kWidth = 1280, kHeight = 760, kPanelWidth = 640;  // [px]
 constexpr auto kInterval = 250ms;                               // between pictures
-constexpr int kIdleMs = 60;
+constexpr int kIdleMs =
+    120;  // between drawings of the window, which cost more than the pictures without a GPU
 
 }  // namespace
 
@@ -53,8 +54,10 @@ class RunView::Impl {
 
   void show(const types::Frame& frame, const types::FrameReport& report, const map::TopologicalMap& map) {
     state_ = stateAfter(report, state_);
+    if (report.outcome != types::Outcome::kSkipped) known_ = report;
     if (closed_ || (!wanted_ && !paused_)) return;
-    Snapshot snapshot = snapper_.take(frame, report, state_, map);
+    known_.index = report.index;
+    Snapshot snapshot = snapper_.take(frame, known_, state_, map);
     const std::lock_guard lock(mutex_);
     pending_ = std::move(snapshot);
     wanted_ = false;
@@ -204,6 +207,7 @@ class RunView::Impl {
   // In the thread of the run.
   Snapper snapper_;
   RobotState state_ = RobotState::kBlind;
+  types::FrameReport known_;  // of the last image that was not skipped
   // In the thread of the window.
   std::optional<MapScene> scene_;
   std::optional<Annotator> annotator_;

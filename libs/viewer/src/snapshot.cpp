@@ -9,18 +9,22 @@ namespace {
 
 constexpr std::size_t kPathShown = 400;  // points
 
-MapSketch sketch(const map::TopologicalMap& map, base::PlaceId current) {
+MapSketch sketch(const map::TopologicalMap& map, const types::FrameReport& report) {
   MapSketch s;
   const auto at = [](const Eigen::Isometry3d& T) -> Eigen::Vector3f { return T.translation().cast<float>(); };
   s.places.reserve(map.places().size());
   for (const auto& [id, place] : map.places())
-    s.places.push_back({at(place.T_map_place), id.value, id == current});
+    s.places.push_back({at(place.T_map_place), id.value, id == report.place});
   s.edges.reserve(map.edges().size());
   for (const auto& [id, edge] : map.edges())
     s.edges.push_back({at(map.place(edge.a).T_map_place), at(map.place(edge.b).T_map_place), edge.type});
   const auto& path = map.path();
   for (std::size_t i = path.size() - std::min(path.size(), kPathShown); i < path.size(); ++i)
     s.path.push_back(at(map.T_map_robot(path[i])));
+  if (!path.empty() && path.back().stamp == report.stamp)
+    s.robot = s.path.back();
+  else if (report.place.valid())  // while localising no path grows
+    s.robot = at(map.place(report.place).T_map_place);
   return s;
 }
 
@@ -32,7 +36,7 @@ Snapshot Snapper::take(const types::Frame& frame, const types::FrameReport& repo
   s.image = frame.image;  // shared: frames are not written to
   s.report = report;
   s.state = state;
-  s.map = sketch(map, report.place);
+  s.map = sketch(map, report);
   if (report.place.valid()) s.memory = map.place(report.place).memory;
   const base::PlaceId shown = report.place.valid() ? report.place : report.bestGuess;
   if (const auto* jpeg = thumbnailOf(shown, map)) s.matchedJpeg = *jpeg;

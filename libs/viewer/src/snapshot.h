@@ -30,7 +30,8 @@ struct MapSketch {
   };
   std::vector<Place> places;
   std::vector<Line> edges;
-  std::vector<Eigen::Vector3f> path;  ///< the last part of it, newest last
+  std::vector<Eigen::Vector3f> path;     ///< the last part of it, newest last
+  std::optional<Eigen::Vector3f> robot;  ///< where it is; none when it is lost
 };
 
 /// Everything that the window needs of one image: values, so that the run goes on meanwhile.

@@ -12,11 +12,12 @@ namespace engram::capture {
 /// What a camera says of itself, and how it is set.
 struct CameraSettings {
   std::string id, vendor, model, serial, address, format;
-  int width = 0, height = 0;    ///< [px]
-  double frameRate = 0.0;       ///< [images/s]; 0: the camera does not say
-  std::size_t payload = 0;      ///< of an image [bytes]
-  int packetSize = 0;           ///< [bytes]; 0: no network camera
-  std::size_t socketLimit = 0;  ///< net.core.rmem_max [bytes]; 0: no network camera or unknown
+  int width = 0, height = 0;     ///< [px]
+  double frameRate = 0.0;        ///< [images/s]; 0: the camera does not say
+  std::size_t payload = 0;       ///< of an image [bytes]
+  int packetSize = 0;            ///< [bytes]; 0: no network camera
+  std::size_t socketBuffer = 0;  ///< that was asked for [bytes]; 0: no network camera
+  std::size_t socketLimit = 0;   ///< net.core.rmem_max [bytes]; 0: no network camera or unknown
 };
 
 struct PacketStats {

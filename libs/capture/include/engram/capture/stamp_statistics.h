@@ -19,10 +19,10 @@ class StampStatistics {
     std::size_t images = 0;
     double first = 0.0, last = 0.0;          ///< [s]
     double rate = 0.0;                       ///< images over time [1/s]; 0 with fewer than two
-    double interval = 0.0;                   ///< median [s]
-    double jitter = 0.0;                     ///< median absolute deviation from it [s]
+    double interval = 0.0;                   ///< of a whole series; the median where there is none [s]
+    double jitter = 0.0;                     ///< median absolute deviation from its multiples [s]
     double interval95 = 0.0, longest = 0.0;  ///< 95th percentile and maximum [s]
-    std::vector<Gap> gaps;                   ///< intervals of 1.5 medians and more
+    std::vector<Gap> gaps;                   ///< 1.5 intervals and more
     std::size_t missing = 0;                 ///< of all gaps
   };
 
