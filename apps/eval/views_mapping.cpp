@@ -69,6 +69,8 @@ bool ViewMapping::isFalse(const map::TopologicalMap& map, const map::Edge& edge)
 
 ViewSession ViewMapping::add(const ShownDrive& shown) {
   ViewSession session;
+  const int keep = params_.upkeep.keep_drives;
+  if (keep > 0) map_.forgetPath(map_.nextSession() - keep);
   const auto mapper = pipeline::makeMapBuilder(params_, std::move(map_));
   auto file = std::filesystem::exists(file_) ? store::MapFile::open(file_, store::Access::kReadWrite)
                                              : store::MapFile::create(file_, mapper->header());
