@@ -47,14 +47,16 @@ std::string ViewsCommand::readConfig() {
   world_.sensor.samples = 1;
   if (options_.quick) {
     views_.building = "tiny";
-    views_.sequences = 3;
+    views_.sequences = 2;
     views_.orders = 1;
-    views_.covers = 3;
-    views_.sessions = 3;
-    views_.sudden = "3";
-    views_.kappas = "2,10";
+    views_.covers = 2;
+    views_.sessions = 2;
+    views_.sudden = "2";
+    views_.kappas = "2";
     views_.kappa_sessions = 2;
     views_.poses = 1;
+    views_.sequence_scale = views_.lifelong_scale = 0.4;
+    world_.drive.laps = 0.5;
   }
   base::Config config;
   config.bind("views_world", views_);
@@ -66,6 +68,13 @@ std::string ViewsCommand::readConfig() {
                                               : base::IniFile::load(options_.config);
   for (const auto& assignment : options_.overrides) ini.override(assignment);
   config.read(ini);
+  auto& camera = pipeline_.camera.file;
+  const auto& sections = ini.sections();
+  const auto given = sections.find("camera");
+  const bool ofFile =
+      given != sections.end() && given->second.contains("file") && given->second.at("file").origin != "--set";
+  if (ofFile && !camera.empty() && fs::path(camera).is_relative())
+    camera = (fs::path(options_.config).parent_path() / camera).lexically_normal().string();
   return config.dump();
 }
 

@@ -57,7 +57,9 @@ void ViewsWorldParams::describe(base::Params& p) {
   p.addDegrees("false_angle", false_angle, "or whose direction is [deg]", {0.1, 180});
   p.add("right_within", right_within, "an image is located right when its place is this near [m]", {0.1, 10});
   p.add("locate_every", locate_every, "way between the images that are located [m]", {0.01, 10});
-  p.add("eye_scale", eye_scale, "size of the images of the lifelong run, of those of the sequences",
+  p.add("sequence_scale", sequence_scale, "size of the images of the sequences, of those of the camera",
+        {0.1, 1});
+  p.add("lifelong_scale", lifelong_scale, "the same of the lifelong run, of kappa and of the spots",
         {0.1, 1});
 }
 
@@ -201,8 +203,8 @@ ViewsResult ViewsWorld::run() {
     if (kappa.empty() || kappa.find_first_not_of("0123456789") != std::string::npos || std::stoi(kappa) < 1)
       throw base::ConfigError("[views_world] kappas: '" + kappa + "' is no whole number from 1 on");
   for (const char* folder : {"drives", "maps"}) fs::create_directories(fileOf(folder));
-  eye_ = makeEye(1, "camera.ini");
-  lifelongEye_ = makeEye(params_.eye_scale, "camera_lifelong.ini");
+  eye_ = makeEye(params_.sequence_scale, "camera.ini");
+  lifelongEye_ = makeEye(params_.lifelong_scale, "camera_lifelong.ini");
   world::WorldParams days = world_;  // of the sequences: two days, then a changed building
   days.change.days = 0.3;
   days.change.poster_share = 0.02;

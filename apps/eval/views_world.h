@@ -31,7 +31,8 @@ struct ViewsWorldParams {
   double false_angle = 0.1745329252;  ///< or this far [rad]
   double right_within = 1.0;          ///< an image is located right when the place is this near [m]
   double locate_every = 0.5;          ///< way between images that are located [m]
-  double eye_scale = 0.6;             ///< size of the images of the lifelong run, of those of the sequences
+  double sequence_scale = 1;          ///< size of the images of the sequences, of those of the camera
+  double lifelong_scale = 0.6;        ///< the same of the lifelong run
 
   void describe(base::Params& p);
 };
