@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 // engram-eval odometry and engram-rawlog info on rawlogs of a simulated stereo camera, sound and with faults.
+#include "engram/apps/program.h"
 #include "engram/evaluation/trajectory.h"
 #include "engram/sources/rawlog_writer.h"
-#include "eval_program.h"
+#include "odometry_command.h"
 #include "rawlog_fixture.h"
 #include "rawlog_program.h"
 #include "world_pairs.h"
@@ -30,6 +31,19 @@ const std::vector<Shown>& seen() {
   static const auto shown = driveThroughOffice(crookedRig(), kFrames, 0.06, 3);
   return shown;
 }
+
+/// engram-eval with this one experiment.
+class OdometryProgram final : public Program {
+ public:
+  std::string name() const override { return "engram-eval"; }
+  std::string description() const override { return "test"; }
+  std::string examples() const override { return ""; }
+  void declare(CLI::App& app) override { command_.declare(app); }
+  int run(std::ostream& out, std::ostream& err) override { return command_.run(out, err); }
+
+ private:
+  OdometryCommand command_;
+};
 
 struct Result {
   int code = -1;
@@ -86,8 +100,7 @@ class EvalOdometry : public testing::Test {
 
   /// Both programs say what is wrong, and that not all is well.
   void expectFault(const std::string& rawlog, const std::string& fault, const std::string& message) const {
-    const auto eval =
-        run<EvalProgram>({"odometry", "--rawlog", rawlog, "--json", path(fault + ".json"), "-q"});
+    const auto eval = run<OdometryProgram>({"--rawlog", rawlog, "--json", path(fault + ".json"), "-q"});
     EXPECT_EQ(eval.code, kPartial);
     EXPECT_THAT(eval.err, AllOf(HasSubstr(rawlog), HasSubstr(message)));
     EXPECT_EQ(json(fault + ".json")["camera_check"]["fault"], fault);
@@ -103,8 +116,8 @@ class EvalOdometry : public testing::Test {
 
 TEST_F(EvalOdometry, MeasuresTheDriftOfADrive) {
   const auto rawlog = record("a.rawlog");
-  const auto result = run<EvalProgram>({"odometry", "--rawlog", rawlog, "--truth", writeTruth(), "--out",
-                                        path("vo"), "--json", path("vo.json")});
+  const auto result = run<OdometryProgram>(
+      {"--rawlog", rawlog, "--truth", writeTruth(), "--out", path("vo"), "--json", path("vo.json")});
   ASSERT_EQ(result.code, kOk) << result.err;
   EXPECT_THAT(result.out, AllOf(HasSubstr("24 frames"), HasSubstr("in 1 piece"), HasSubstr("drift: ")));
   const auto figures = json("vo.json");
@@ -119,7 +132,7 @@ TEST_F(EvalOdometry, MeasuresTheDriftOfADrive) {
   const auto was = seen().front().T_world_robot.inverse() * seen().back().T_world_robot;
   EXPECT_LT((is.translation() - was.translation()).norm(), 0.03);
 
-  const auto again = run<EvalProgram>({"odometry", "--rawlog", rawlog, "--out", path("vo")});
+  const auto again = run<OdometryProgram>({"--rawlog", rawlog, "--out", path("vo")});
   EXPECT_EQ(again.code, kError);
   EXPECT_THAT(again.err, HasSubstr("--overwrite"));
   const auto info = run<RawlogProgram>({"info", rawlog, "-q"});
@@ -157,7 +170,7 @@ TEST_F(EvalOdometry, UnrectifiedImagesDeclaredRectified) {
 
 TEST_F(EvalOdometry, WithoutCalibrationOrRightImages) {
   const auto rawlog = record("bare.rawlog", std::nullopt, [](int, types::StereoPair&) {});
-  auto result = run<EvalProgram>({"odometry", "--rawlog", rawlog});
+  auto result = run<OdometryProgram>({"--rawlog", rawlog});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err, AllOf(HasSubstr("bare.rawlog: holds no calibration of a stereo camera"),
                                 HasSubstr("--camera"), HasSubstr("calibrate --stereo")));
@@ -166,12 +179,12 @@ TEST_F(EvalOdometry, WithoutCalibrationOrRightImages) {
   EXPECT_THAT(info.out, HasSubstr("stereo camera without calibration"));
 
   std::ofstream(path("head.ini")) << cameras::toText(crookedRig());
-  result = run<EvalProgram>({"odometry", "--rawlog", rawlog, "--camera", path("head.ini")});
+  result = run<OdometryProgram>({"--rawlog", rawlog, "--camera", path("head.ini")});
   EXPECT_EQ(result.code, kOk) << result.err;
 
   const auto mono =
       record("mono.rawlog", std::nullopt, [](int, types::StereoPair& p) { p.right = cv::Mat(); });
-  result = run<EvalProgram>({"odometry", "--rawlog", mono, "--camera", path("head.ini")});
+  result = run<OdometryProgram>({"--rawlog", mono, "--camera", path("head.ini")});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err, HasSubstr("has no right one"));
 }
@@ -180,8 +193,7 @@ TEST_F(EvalOdometry, TheTwoCamerasExchangedInTheCalibration) {
   cameras::StereoRig wrong = crookedRig();
   std::swap(wrong.left, wrong.right);
   const auto rawlog = record("x.rawlog", wrong, [](int, types::StereoPair&) {});
-  EXPECT_THAT(run<EvalProgram>({"odometry", "--rawlog", rawlog}).err,
-              HasSubstr("exchanged in the calibration"));
+  EXPECT_THAT(run<OdometryProgram>({"--rawlog", rawlog}).err, HasSubstr("exchanged in the calibration"));
   const auto info = run<RawlogProgram>({"info", rawlog, "-q"});
   EXPECT_EQ(info.code, kPartial);
   EXPECT_THAT(info.err, HasSubstr("exchanged in the calibration"));
@@ -189,8 +201,7 @@ TEST_F(EvalOdometry, TheTwoCamerasExchangedInTheCalibration) {
 
 TEST_F(EvalOdometry, TruthThatDoesNotBelong) {
   std::ofstream(path("other.tum")) << "5 0 0 0 0 0 0 1\n6 1 0 0 0 0 0 1\n";
-  const auto result =
-      run<EvalProgram>({"odometry", "--rawlog", record("a.rawlog"), "--truth", path("other.tum")});
+  const auto result = run<OdometryProgram>({"--rawlog", record("a.rawlog"), "--truth", path("other.tum")});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err, HasSubstr("do the two belong together?"));
 }
@@ -199,7 +210,7 @@ TEST_F(EvalOdometry, BothEyesCovered) {
   const cv::Mat dark(240, 320, CV_8U, cv::Scalar(6));
   const auto rawlog =
       record("dark.rawlog", crookedRig(), [&](int, types::StereoPair& p) { p.left = p.right = dark; });
-  const auto result = run<EvalProgram>({"odometry", "--rawlog", rawlog, "--truth", writeTruth()});
+  const auto result = run<OdometryProgram>({"--rawlog", rawlog, "--truth", writeTruth()});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err,
               HasSubstr("no motion was found; the last of 24 frames failed with too_few_corners"));
