@@ -12,7 +12,9 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 namespace engram::apps {
@@ -23,7 +25,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using namespace odometry::testing_world;
 
-constexpr int kFrames = 24;
+constexpr int kFrames = 44;
 constexpr double kRate = 10;  // [Hz]
 
 /// A head with lenses, as its cameras see the office: not rectified.
@@ -44,6 +46,12 @@ class OdometryProgram final : public Program {
  private:
   OdometryCommand command_;
 };
+
+/// What a rectified head sees there.
+const std::vector<Shown>& seenLevel() {
+  static const auto shown = driveThroughOffice(smallRig(), 24, 0.06, 3);
+  return shown;
+}
 
 struct Result {
   int code = -1;
@@ -68,13 +76,13 @@ class EvalOdometry : public testing::Test {
 
   /// The pairs, each changed by `change(i, pair)`, as a rawlog, with this calibration in it.
   template <class Change>
-  std::string record(const std::string& name, const std::optional<cameras::StereoRig>& rig,
-                     Change change) const {
+  std::string record(const std::string& name, const std::optional<cameras::StereoRig>& rig, Change change,
+                     const std::vector<Shown>& shown = seen()) const {
     sources::RawlogWriterParams params;
     params.stereo = rig;
     sources::RawlogWriter writer(path(name), params);
-    for (int i = 0; i < kFrames; ++i) {
-      types::StereoPair pair = seen()[static_cast<std::size_t>(i)].raw;
+    for (int i = 0; i < static_cast<int>(shown.size()); ++i) {
+      types::StereoPair pair = shown[static_cast<std::size_t>(i)].raw;
       change(i, pair);
       types::Frame frame;
       frame.index = static_cast<std::uint64_t>(i);
@@ -119,18 +127,18 @@ TEST_F(EvalOdometry, MeasuresTheDriftOfADrive) {
   const auto result = run<OdometryProgram>(
       {"--rawlog", rawlog, "--truth", writeTruth(), "--out", path("vo"), "--json", path("vo.json")});
   ASSERT_EQ(result.code, kOk) << result.err;
-  EXPECT_THAT(result.out, AllOf(HasSubstr("24 frames"), HasSubstr("in 1 piece"), HasSubstr("drift: ")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("44 frames"), HasSubstr("in 1 piece"), HasSubstr("drift: ")));
   const auto figures = json("vo.json");
   EXPECT_EQ(figures["frames"], kFrames);
   EXPECT_EQ(figures["failed"], 0);
-  EXPECT_NEAR(figures["true_path_m"], 0.06 * (kFrames - 1), 0.01);
+  EXPECT_NEAR(figures["true_path_m"], 0.06 * (kFrames - 1), 0.03);
   EXPECT_LT(figures["translation_percent"], 2);
   EXPECT_EQ(figures["camera_check"]["fault"], "none");
   const auto trajectory = evaluation::readTum(path("vo/trajectory.tum"));
   ASSERT_EQ(trajectory.size(), static_cast<std::size_t>(kFrames));
   const auto is = trajectory.front().T_world_body.inverse() * trajectory.back().T_world_body;
   const auto was = seen().front().T_world_robot.inverse() * seen().back().T_world_robot;
-  EXPECT_LT((is.translation() - was.translation()).norm(), 0.03);
+  EXPECT_LT((is.translation() - was.translation()).norm(), 0.05);
 
   const auto again = run<OdometryProgram>({"--rawlog", rawlog, "--out", path("vo")});
   EXPECT_EQ(again.code, kError);
@@ -149,8 +157,10 @@ TEST_F(EvalOdometry, OneEyeCovered) {
 }
 
 TEST_F(EvalOdometry, EyesSwapped) {
-  expectFault(record("s.rawlog", crookedRig(), [](int, types::StereoPair& p) { std::swap(p.left, p.right); }),
-              "swapped", "left and right are swapped");
+  const auto swap = [](int, types::StereoPair& p) { std::swap(p.left, p.right); };
+  expectFault(record("s.rawlog", smallRig(), swap, seenLevel()), "swapped", "left and right are swapped");
+  // Eyes with lenses of their own are not rectified by each other's calibration.
+  expectFault(record("c.rawlog", crookedRig(), swap), "rows", "are left and right swapped?");
 }
 
 TEST_F(EvalOdometry, EyesOutOfSyncByAFrame) {
@@ -213,7 +223,7 @@ TEST_F(EvalOdometry, BothEyesCovered) {
   const auto result = run<OdometryProgram>({"--rawlog", rawlog, "--truth", writeTruth()});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err,
-              HasSubstr("no motion was found; the last of 24 frames failed with too_few_corners"));
+              HasSubstr("no motion was found; the last of 44 frames failed with too_few_corners"));
 }
 
 }  // namespace
