@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 // engram-eval odometry and engram-rawlog info on rawlogs of a simulated stereo camera, sound and with faults.
+#include "engram/apps/program.h"
 #include "engram/evaluation/trajectory.h"
 #include "engram/sources/rawlog_writer.h"
-#include "eval_program.h"
+#include "odometry_command.h"
 #include "rawlog_fixture.h"
 #include "rawlog_program.h"
 #include "world_pairs.h"
@@ -11,7 +12,9 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 namespace engram::apps {
@@ -22,12 +25,31 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using namespace odometry::testing_world;
 
-constexpr int kFrames = 24;
+constexpr int kFrames = 44;
 constexpr double kRate = 10;  // [Hz]
 
 /// A head with lenses, as its cameras see the office: not rectified.
 const std::vector<Shown>& seen() {
   static const auto shown = driveThroughOffice(crookedRig(), kFrames, 0.06, 3);
+  return shown;
+}
+
+/// engram-eval with this one experiment.
+class OdometryProgram final : public Program {
+ public:
+  std::string name() const override { return "engram-eval"; }
+  std::string description() const override { return "test"; }
+  std::string examples() const override { return ""; }
+  void declare(CLI::App& app) override { command_.declare(app); }
+  int run(std::ostream& out, std::ostream& err) override { return command_.run(out, err); }
+
+ private:
+  OdometryCommand command_;
+};
+
+/// What a rectified head sees there.
+const std::vector<Shown>& seenLevel() {
+  static const auto shown = driveThroughOffice(smallRig(), 24, 0.06, 3);
   return shown;
 }
 
@@ -54,13 +76,13 @@ class EvalOdometry : public testing::Test {
 
   /// The pairs, each changed by `change(i, pair)`, as a rawlog, with this calibration in it.
   template <class Change>
-  std::string record(const std::string& name, const std::optional<cameras::StereoRig>& rig,
-                     Change change) const {
+  std::string record(const std::string& name, const std::optional<cameras::StereoRig>& rig, Change change,
+                     const std::vector<Shown>& shown = seen()) const {
     sources::RawlogWriterParams params;
     params.stereo = rig;
     sources::RawlogWriter writer(path(name), params);
-    for (int i = 0; i < kFrames; ++i) {
-      types::StereoPair pair = seen()[static_cast<std::size_t>(i)].raw;
+    for (int i = 0; i < static_cast<int>(shown.size()); ++i) {
+      types::StereoPair pair = shown[static_cast<std::size_t>(i)].raw;
       change(i, pair);
       types::Frame frame;
       frame.index = static_cast<std::uint64_t>(i);
@@ -86,8 +108,7 @@ class EvalOdometry : public testing::Test {
 
   /// Both programs say what is wrong, and that not all is well.
   void expectFault(const std::string& rawlog, const std::string& fault, const std::string& message) const {
-    const auto eval =
-        run<EvalProgram>({"odometry", "--rawlog", rawlog, "--json", path(fault + ".json"), "-q"});
+    const auto eval = run<OdometryProgram>({"--rawlog", rawlog, "--json", path(fault + ".json"), "-q"});
     EXPECT_EQ(eval.code, kPartial);
     EXPECT_THAT(eval.err, AllOf(HasSubstr(rawlog), HasSubstr(message)));
     EXPECT_EQ(json(fault + ".json")["camera_check"]["fault"], fault);
@@ -103,23 +124,23 @@ class EvalOdometry : public testing::Test {
 
 TEST_F(EvalOdometry, MeasuresTheDriftOfADrive) {
   const auto rawlog = record("a.rawlog");
-  const auto result = run<EvalProgram>({"odometry", "--rawlog", rawlog, "--truth", writeTruth(), "--out",
-                                        path("vo"), "--json", path("vo.json")});
+  const auto result = run<OdometryProgram>(
+      {"--rawlog", rawlog, "--truth", writeTruth(), "--out", path("vo"), "--json", path("vo.json")});
   ASSERT_EQ(result.code, kOk) << result.err;
-  EXPECT_THAT(result.out, AllOf(HasSubstr("24 frames"), HasSubstr("in 1 piece"), HasSubstr("drift: ")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("44 frames"), HasSubstr("in 1 piece"), HasSubstr("drift: ")));
   const auto figures = json("vo.json");
   EXPECT_EQ(figures["frames"], kFrames);
   EXPECT_EQ(figures["failed"], 0);
-  EXPECT_NEAR(figures["true_path_m"], 0.06 * (kFrames - 1), 0.01);
+  EXPECT_NEAR(figures["true_path_m"], 0.06 * (kFrames - 1), 0.03);
   EXPECT_LT(figures["translation_percent"], 2);
   EXPECT_EQ(figures["camera_check"]["fault"], "none");
   const auto trajectory = evaluation::readTum(path("vo/trajectory.tum"));
   ASSERT_EQ(trajectory.size(), static_cast<std::size_t>(kFrames));
   const auto is = trajectory.front().T_world_body.inverse() * trajectory.back().T_world_body;
   const auto was = seen().front().T_world_robot.inverse() * seen().back().T_world_robot;
-  EXPECT_LT((is.translation() - was.translation()).norm(), 0.03);
+  EXPECT_LT((is.translation() - was.translation()).norm(), 0.05);
 
-  const auto again = run<EvalProgram>({"odometry", "--rawlog", rawlog, "--out", path("vo")});
+  const auto again = run<OdometryProgram>({"--rawlog", rawlog, "--out", path("vo")});
   EXPECT_EQ(again.code, kError);
   EXPECT_THAT(again.err, HasSubstr("--overwrite"));
   const auto info = run<RawlogProgram>({"info", rawlog, "-q"});
@@ -136,8 +157,10 @@ TEST_F(EvalOdometry, OneEyeCovered) {
 }
 
 TEST_F(EvalOdometry, EyesSwapped) {
-  expectFault(record("s.rawlog", crookedRig(), [](int, types::StereoPair& p) { std::swap(p.left, p.right); }),
-              "swapped", "left and right are swapped");
+  const auto swap = [](int, types::StereoPair& p) { std::swap(p.left, p.right); };
+  expectFault(record("s.rawlog", smallRig(), swap, seenLevel()), "swapped", "left and right are swapped");
+  // Eyes with lenses of their own are not rectified by each other's calibration.
+  expectFault(record("c.rawlog", crookedRig(), swap), "rows", "are left and right swapped?");
 }
 
 TEST_F(EvalOdometry, EyesOutOfSyncByAFrame) {
@@ -157,7 +180,7 @@ TEST_F(EvalOdometry, UnrectifiedImagesDeclaredRectified) {
 
 TEST_F(EvalOdometry, WithoutCalibrationOrRightImages) {
   const auto rawlog = record("bare.rawlog", std::nullopt, [](int, types::StereoPair&) {});
-  auto result = run<EvalProgram>({"odometry", "--rawlog", rawlog});
+  auto result = run<OdometryProgram>({"--rawlog", rawlog});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err, AllOf(HasSubstr("bare.rawlog: holds no calibration of a stereo camera"),
                                 HasSubstr("--camera"), HasSubstr("calibrate --stereo")));
@@ -166,12 +189,12 @@ TEST_F(EvalOdometry, WithoutCalibrationOrRightImages) {
   EXPECT_THAT(info.out, HasSubstr("stereo camera without calibration"));
 
   std::ofstream(path("head.ini")) << cameras::toText(crookedRig());
-  result = run<EvalProgram>({"odometry", "--rawlog", rawlog, "--camera", path("head.ini")});
+  result = run<OdometryProgram>({"--rawlog", rawlog, "--camera", path("head.ini")});
   EXPECT_EQ(result.code, kOk) << result.err;
 
   const auto mono =
       record("mono.rawlog", std::nullopt, [](int, types::StereoPair& p) { p.right = cv::Mat(); });
-  result = run<EvalProgram>({"odometry", "--rawlog", mono, "--camera", path("head.ini")});
+  result = run<OdometryProgram>({"--rawlog", mono, "--camera", path("head.ini")});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err, HasSubstr("has no right one"));
 }
@@ -180,8 +203,7 @@ TEST_F(EvalOdometry, TheTwoCamerasExchangedInTheCalibration) {
   cameras::StereoRig wrong = crookedRig();
   std::swap(wrong.left, wrong.right);
   const auto rawlog = record("x.rawlog", wrong, [](int, types::StereoPair&) {});
-  EXPECT_THAT(run<EvalProgram>({"odometry", "--rawlog", rawlog}).err,
-              HasSubstr("exchanged in the calibration"));
+  EXPECT_THAT(run<OdometryProgram>({"--rawlog", rawlog}).err, HasSubstr("exchanged in the calibration"));
   const auto info = run<RawlogProgram>({"info", rawlog, "-q"});
   EXPECT_EQ(info.code, kPartial);
   EXPECT_THAT(info.err, HasSubstr("exchanged in the calibration"));
@@ -189,8 +211,7 @@ TEST_F(EvalOdometry, TheTwoCamerasExchangedInTheCalibration) {
 
 TEST_F(EvalOdometry, TruthThatDoesNotBelong) {
   std::ofstream(path("other.tum")) << "5 0 0 0 0 0 0 1\n6 1 0 0 0 0 0 1\n";
-  const auto result =
-      run<EvalProgram>({"odometry", "--rawlog", record("a.rawlog"), "--truth", path("other.tum")});
+  const auto result = run<OdometryProgram>({"--rawlog", record("a.rawlog"), "--truth", path("other.tum")});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err, HasSubstr("do the two belong together?"));
 }
@@ -199,10 +220,10 @@ TEST_F(EvalOdometry, BothEyesCovered) {
   const cv::Mat dark(240, 320, CV_8U, cv::Scalar(6));
   const auto rawlog =
       record("dark.rawlog", crookedRig(), [&](int, types::StereoPair& p) { p.left = p.right = dark; });
-  const auto result = run<EvalProgram>({"odometry", "--rawlog", rawlog, "--truth", writeTruth()});
+  const auto result = run<OdometryProgram>({"--rawlog", rawlog, "--truth", writeTruth()});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err,
-              HasSubstr("no motion was found; the last of 24 frames failed with too_few_corners"));
+              HasSubstr("no motion was found; the last of 44 frames failed with too_few_corners"));
 }
 
 }  // namespace
