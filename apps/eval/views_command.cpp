@@ -28,10 +28,11 @@ pipeline::PipelineParams viewMap() {
   p.recognise.verified_scores = 15;
   p.recognise.accept_inliers = 30;
   p.recognise.closure_inliers = 30;
-  p.recognise.sure_inliers = 30;
+  p.recognise.sure_inliers = 80;
   p.recognise.accept_similarity = 0.1;
   p.recognise.closure_similarity = 0.1;
   p.posegraph.planar = false;
+  p.posegraph.window_places = 60;
   return p;
 }
 
@@ -57,6 +58,7 @@ std::string ViewsCommand::readConfig() {
     views_.poses = 1;
     views_.sequence_scale = views_.lifelong_scale = 0.4;
     world_.drive.laps = 0.5;
+    pipeline_.views.sure_inliers = pipeline_.recognise.sure_inliers = 40;  // small images have less features
   }
   base::Config config;
   config.bind("views_world", views_);

@@ -28,7 +28,7 @@ void forEachShown(const ShownDrive& shown, See see) {
       frame.image = cv::Mat(frame.image.size(), frame.image.type(), cv::Scalar::all(0));  // new pixels
       frame.right = frame.image;
     }
-    frame.T_odom_robot.reset();  // K has no wheels
+    if (!shown.wheels) frame.T_odom_robot.reset();
     see(frame, shown.drive->truth[at].T_world_body);
   });
 }

@@ -19,6 +19,7 @@ namespace engram::apps {
 struct ShownDrive {
   const KeptDrive* drive = nullptr;
   double from = 0, to = 1;
+  bool wheels = true;                                          ///< the images come with odometry
   std::vector<std::pair<std::size_t, std::size_t>> covered{};  ///< first image and the one behind the last
 };
 

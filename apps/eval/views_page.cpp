@@ -155,7 +155,8 @@ std::string toHtml(const ViewsResult& result, const std::string& settings, std::
   Page page("Lifelong maps of stereo views");
   page.paragraph(
       "The experiments of Konolige and Bowman (2009) on simulated drives with a stereo camera (seed " +
-      std::to_string(seed) + "). Wheel odometry is not used.");
+      std::to_string(seed) +
+      "). The wheels bridge what visual odometry cannot, but in the repair drive, which has none.");
   page.heading("Drives stitched to one map");
   addSequences(page, result);
   page.heading("Repair");

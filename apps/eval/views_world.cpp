@@ -43,6 +43,7 @@ void ViewsWorldParams::describe(base::Params& p) {
   p.add("building", building, "preset of the sequences and of the repair");
   p.add("sequences", sequences, "drives that are stitched to one map", {1, 20});
   p.add("orders", orders, "random orders in which they are stitched as well", {0, 100});
+  p.add("wheels", wheels, "the drives have wheel odometry as well; the repair drive never has");
   p.add("covers", covers, "times that both eyes are covered in the repair drive", {0, 1000});
   p.add("cover_length", cover_length, "way that a cover lasts [m]", {0.1, 100});
   p.add("lifelong_building", lifelong_building, "preset of the lifelong run, of kappa and of the rates");
@@ -64,11 +65,11 @@ void ViewsWorldParams::describe(base::Params& p) {
 }
 
 /// K's sequences start and end anywhere; the first is a whole round.
-ShownDrive sequenceOf(const KeptDrive& drive, int number) {
+ShownDrive sequenceOf(const KeptDrive& drive, int number, bool wheels) {
   static const std::vector<std::pair<double, double>> windows{{0, 1},   {0.3, 1},     {0, 0.7},
                                                               {0.5, 1}, {0.15, 0.85}, {0, 1}};
   const auto& [from, to] = windows[static_cast<std::size_t>(number) % windows.size()];
-  return {&drive, from, to, {}};
+  return {&drive, from, to, wheels, {}};
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> coversOf(const KeptDrive& drive, int covers, double length,
@@ -136,7 +137,7 @@ OrderedRun ViewsWorld::mapInOrder(const std::vector<int>& order, const std::stri
   ViewMapping mapping(eye_.pipeline, fileOf("maps/" + name + ".engram"), params_.false_distance,
                       params_.false_angle);
   for (const int k : order)
-    run.sessions.push_back(mapping.add(sequenceOf(drives_[static_cast<std::size_t>(k)], k)));
+    run.sessions.push_back(mapping.add(sequenceOf(drives_[static_cast<std::size_t>(k)], k, params_.wheels)));
   run.ate = mapping.ate();
   run.length = mapping.length();
   return run;
@@ -148,13 +149,13 @@ RepairRun ViewsWorld::repair() const {
   ViewMapping mapping(eye_.pipeline, fileOf("maps/repaired.engram"), params_.false_distance,
                       params_.false_angle);
   for (int k = 0; k < params_.sequences; ++k)
-    mapping.add(sequenceOf(drives_[static_cast<std::size_t>(k)], k));
+    mapping.add(sequenceOf(drives_[static_cast<std::size_t>(k)], k, params_.wheels));
   const KeptDrive& changed = drives_[drives_.size() - 2];
-  const ShownDrive test{&drives_.back()};
+  const ShownDrive test{&drives_.back(), 0, 1, false, {}};
   run.before = locateEach(mapping.map(), test, eye_.pipeline, params_.locate_every, params_.right_within);
   const std::uint32_t firstEdge = mapping.map().content().nextEdge;
   run.covers = coversOf(changed, params_.covers, params_.cover_length, world_.seed);
-  run.session = mapping.add({&changed, 0, 1, run.covers});
+  run.session = mapping.add({&changed, 0, 1, false, run.covers});
   for (const auto& [id, edge] : mapping.map().edges()) {
     if (id.value < firstEdge) continue;
     run.linksWithin += edge.type == map::EdgeType::kLoop;
@@ -169,7 +170,7 @@ std::string ViewsWorld::trainVocabulary() const {
   const std::string file = fileOf("vocabulary.engramtree");
   ViewMapping mapping(lifelongEye_.pipeline, fileOf("maps/first.engram"), params_.false_distance,
                       params_.false_angle);
-  mapping.add({&lifelongDrives_.front()});
+  mapping.add({&lifelongDrives_.front(), 0, 1, params_.wheels, {}});
   std::vector<const types::Descriptors*> images;
   for (const auto& [id, place] : mapping.map().places()) images.push_back(&place.memory.features.descriptors);
   vocabulary::VocabularyTree::train(images, pipeline_.tree).save(file, true);
@@ -186,7 +187,7 @@ LifelongRun ViewsWorld::live(const std::string& rule, int sessions, const std::s
   ViewMapping mapping(params, fileOf("maps/lifelong_" + rule + ".engram"), params_.false_distance,
                       params_.false_angle);
   for (int k = 0; k < sessions; ++k) {
-    const ShownDrive shown{&lifelongDrives_[static_cast<std::size_t>(k)]};
+    const ShownDrive shown{&lifelongDrives_[static_cast<std::size_t>(k)], 0, 1, params_.wheels, {}};
     const bool ask = locate && k > 0;
     run.located.push_back(
         ask ? locateEach(mapping.map(), shown, params, params_.locate_every, params_.right_within)

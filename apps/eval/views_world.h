@@ -18,6 +18,7 @@ struct ViewsWorldParams {
   std::string building = "office";  ///< preset of the sequences and of the repair
   int sequences = 6;                ///< K-35
   int orders = 5;                   ///< random orders of the sequences
+  bool wheels = true;               ///< drives have wheel odometry; that of the repair never has
   int covers = 20;                  ///< times that both eyes are covered in the repair drive (K-36)
   double cover_length = 1.5;        ///< way that a cover lasts [m]
   std::string lifelong_building = "tiny";
@@ -128,7 +129,7 @@ class ViewsWorld {
 };
 
 /// Parts of the tour that the sequences show: they start anywhere and overlap.
-ShownDrive sequenceOf(const KeptDrive& drive, int number);
+ShownDrive sequenceOf(const KeptDrive& drive, int number, bool wheels);
 /// Places of the covers, spread over the drive by the seed.
 std::vector<std::pair<std::size_t, std::size_t>> coversOf(const KeptDrive& drive, int covers, double length,
                                                           std::uint64_t seed);

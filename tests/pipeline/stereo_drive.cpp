@@ -71,7 +71,7 @@ pipeline::PipelineParams stereoParams() {
   p.recognise.verified_scores = 15;
   p.recognise.accept_inliers = 30;
   p.recognise.closure_inliers = 30;
-  p.recognise.sure_inliers = 30;
+  p.recognise.sure_inliers = 80;
   p.recognise.accept_similarity = 0.1;
   p.posegraph.planar = false;
   p.views.min_interval = 0.3;

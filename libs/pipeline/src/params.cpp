@@ -85,6 +85,15 @@ void ViewParams::describe(base::Params& p) {
   p.add("min_interval", min_interval, "time between two views of the map [s]", {0, 3600});
   p.add("max_features", max_features, "features of a view, the strongest whose range is known", {10, 10000});
   p.add("candidates", candidates, "views of the map that go to geometric verification", {1, 1000});
+  p.add("sure_inliers", sure_inliers,
+        "inliers of a link that may join parts of the map; one with less must agree with what the graph says",
+        {4, 10000});
+  p.add("agree_distance", agree_distance, "distance by which a link may differ from the graph [m]", {0, 100});
+  p.addDegrees("agree_angle_deg", agree_angle, "angle by which it may [deg]", {0, 180});
+  p.add("max_drift", max_drift, "and more on the way since the last link that closed a loop [m per m]",
+        {0, 1});
+  p.add("max_speed", max_speed, "visual odometry that says the robot is faster has failed [m/s]",
+        {0.01, 1000});
   p.add("vocabulary", vocabulary,
         "file of a vocabulary tree, made with `engram-map train-vocabulary`; empty: one is trained on the "
         "views of the map");

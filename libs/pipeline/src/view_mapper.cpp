@@ -14,6 +14,12 @@
 namespace engram::pipeline {
 namespace {
 
+/// The whole map is relaxed at most once while it grows by this share.
+constexpr std::size_t kRelaxShare = 4;
+
+/// To views that the graph has near, a link must agree better than to others: within this share.
+constexpr double kNearShare = 0.4;
+
 const types::RelPose kHere{.cov = types::Matrix6d::Zero()};
 
 /// Without the rounding that long chains of products gather.
@@ -22,7 +28,7 @@ Eigen::Isometry3d rigid(Eigen::Isometry3d T) {
   return T;
 }
 
-const Perception& checked(const Perception& perception, const PipelineParams& params) {
+odometry::StereoOdometry makeOdometry(const Perception& perception, const PipelineParams& params) {
   if (!perception.stereo())
     throw base::ConfigError(
         "[mapping] nodes = views needs both eyes of a stereo camera: set [camera] stereo = true and file to "
@@ -30,7 +36,7 @@ const Perception& checked(const Perception& perception, const PipelineParams& pa
   if (params.memory.memory != "static")
     throw base::ConfigError("[mapping] nodes = views needs [memory] memory = static, not " +
                             params.memory.memory + ": a view is kept or forgotten as a whole");
-  return perception;
+  return {perception.stereo()->model, perception.rectifiedMask(), params.visual_odometry};
 }
 
 }  // namespace
@@ -63,8 +69,7 @@ struct ViewMapper::Work {
 ViewMapper::ViewMapper(const PipelineParams& params, map::TopologicalMap map)
     : params_(params),
       perception_(params.camera, params.extractor),
-      odometry_(checked(perception_, params).stereo()->model, perception_.rectifiedMask(),
-                params.visual_odometry),
+      odometry_(makeOdometry(perception_, params)),
       search_(params),
       relaxer_(posegraph::makeRelaxer(params.posegraph)),
       map_(std::move(map)),
@@ -125,10 +130,23 @@ bool ViewMapper::move(Work& work) {
     return false;
   }
   if (lost_) return true;
-  const auto& camera = *perception_.stereo();
-  T_anchor_robot_ = posegraph::compose(T_anchor_keyframe_, camera.ofRobot(work.seen.T_keyframe_now));
+  const auto T_anchor_robot =
+      posegraph::compose(T_anchor_keyframe_, perception_.stereo()->ofRobot(work.seen.T_keyframe_now));
+  if (tooFast(work, T_anchor_robot)) {
+    lost_ = true;
+    odometry_.reset();
+    work.report.reason = "visual odometry failed: it says that the robot is faster than it can be";
+    return false;
+  }
+  T_anchor_robot_ = T_anchor_robot;
+  stamp_ = work.frame.stamp;
   if (work.seen.newKeyframe) T_anchor_keyframe_ = T_anchor_robot_;
   return true;
+}
+
+bool ViewMapper::tooFast(const Work& work, const types::RelPose& T_anchor_robot) const {
+  const double moved = (T_anchor_robot_.T_a_b.inverse() * T_anchor_robot.T_a_b).translation().norm();
+  return moved > params_.views.max_speed * std::max(0.1, std::abs(work.frame.stamp - stamp_));
 }
 
 /// The motion of the left eye since the last image by the wheels: it tells odometry where to look.
@@ -247,7 +265,7 @@ std::optional<types::RelPose> ViewMapper::motionSinceAnchor() const {
 
 Eigen::Isometry3d ViewMapper::guessedPose(const Work& work) const {
   if (work.motion) return map_.place(anchor_).T_map_place * work.motion->T_a_b;
-  if (!work.links.empty()) {
+  if (!work.links.empty() && isSure(work.links.front())) {
     const Link& best = work.links.front();
     return map_.place(best.to).T_map_place * best.match.T_place_robot->T_a_b;
   }
@@ -264,7 +282,7 @@ void ViewMapper::relate(Work& work) {
   const StepTimer timer(work.report, "relate");
   if (work.motion) addMotion(work);
   for (const Link& link : work.links)
-    if (!work.motion || link.to != anchor_) addLink(work, link);
+    if ((!work.motion || link.to != anchor_) && agrees(work, link)) addLink(work, link);
   if (!work.motion && !map_.path().empty() && partOf_.at(lastPlace()) != partOf_.at(work.view)) {
     map::Edge weak{.type = map::EdgeType::kWeak, .a = lastPlace(), .b = work.view};
     weak.T_a_b.T_a_b = map_.place(weak.a).T_map_place.inverse() * map_.place(weak.b).T_map_place;
@@ -274,8 +292,11 @@ void ViewMapper::relate(Work& work) {
   linkNeighbours(work);
   if (work.joined) dropJoinedWeakLinks();
 
+  if (work.motion) sinceClosure_ += work.motion->T_a_b.translation().norm();
+  if (work.report.closure) sinceClosure_ = 0;
+  ++made_;
   anchor_ = work.view;
-  anchorStamp_ = work.frame.stamp;
+  anchorStamp_ = stamp_ = work.frame.stamp;
   T_anchor_keyframe_ = T_anchor_robot_ = kHere;
   wheels_.reset(Eigen::Isometry3d::Identity(), kHere.cov);
   lost_ = false;
@@ -297,6 +318,24 @@ void ViewMapper::addMotion(Work& work) {
   map_.addEdge(std::move(edge));
 }
 
+bool ViewMapper::isSure(const Link& link) const {
+  return static_cast<int>(link.match.matches.size()) >= params_.views.sure_inliers;
+}
+
+/// K-18: things that look alike stand elsewhere too. A link must not contradict the graph where that knows
+/// better than the drift of odometry; where it knows nothing, the link needs the inliers of K's experiments
+/// (K-E5).
+bool ViewMapper::agrees(const Work& work, const Link& link) const {
+  if (partOf_.at(link.to) != partOf_.at(work.view)) return isSure(link);
+  const Eigen::Isometry3d expected =
+      map_.place(link.to).T_map_place.inverse() * map_.place(work.view).T_map_place;
+  const Eigen::Isometry3d error = expected.inverse() * link.match.T_place_robot->T_a_b;
+  const double share = work.near.contains(link.to) ? kNearShare : 1.0;
+  const double limit = params_.views.agree_distance + params_.views.max_drift * sinceClosure_;
+  return error.translation().norm() <= share * limit &&
+         Eigen::AngleAxisd(error.linear()).angle() <= share * params_.views.agree_angle;
+}
+
 void ViewMapper::addLink(Work& work, const Link& link) {
   map::Edge edge = edgeOf(link, work.view);
   work.joined |= join(edge.a, edge.b, edge.T_a_b.T_a_b);
@@ -312,7 +351,8 @@ void ViewMapper::linkNeighbours(Work& work) {
   if (params_.upkeep.upkeep == "none") return;
   for (const auto& near : upkeep::neighbourhood(map_, work.view, budget_.near)) {
     if (std::find(work.tried.begin(), work.tried.end(), near.place) != work.tried.end()) continue;
-    if (const auto link = linkTo(work, near.place)) addLink(work, *link);
+    const auto link = linkTo(work, near.place);
+    if (link && agrees(work, *link)) addLink(work, *link);
   }
 }
 
@@ -393,20 +433,26 @@ void ViewMapper::relax(Work& work) {
   const auto poseOf = [&](base::PlaceId id) { return map_.place(id).T_map_place; };
   apply(relaxer_->relax(
       posegraph::windowAround(work.view, p.window_hops, p.window_places, constraintsOf, poseOf)));
-  if (work.joined || disagreement(work.edges) > params_.views.relax_all_sigma)
-    apply(relaxer_->relax(map::toGraph(map_)));
+  // The whole map seldom: over many views it costs each of them the same, however large the map.
+  const bool due = made_ >= relaxedAt_ + map_.places().size() / kRelaxShare;
+  if (!work.joined && (!due || disagreement(work.edges) <= params_.views.relax_all_sigma)) return;
+  apply(relaxer_->relax(map::toGraph(map_)));
+  relaxedAt_ = made_;
 }
 
-/// Largest distance of the poses from what edges measure [standard deviations, root mean square].
+/// Distance of the poses from what edges measure, the median edge [standard deviations, root mean square].
 double ViewMapper::disagreement(const std::vector<base::EdgeId>& edges) const {
-  double most = 0;
+  std::vector<double> distances;
   for (const auto id : edges) {
     if (!map_.edges().contains(id)) continue;
     const map::Edge& e = map_.edge(id);
     const auto r = posegraph::residual(e.T_a_b, map_.place(e.a).T_map_place, map_.place(e.b).T_map_place);
-    most = std::max(most, std::sqrt(r.dot(e.T_a_b.cov.ldlt().solve(r)) / 6.0));
+    distances.push_back(std::sqrt(r.dot(e.T_a_b.cov.ldlt().solve(r)) / 6.0));
   }
-  return most;
+  if (distances.empty()) return 0;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
 }
 
 void ViewMapper::apply(const posegraph::Relaxation& relaxed) {

@@ -84,17 +84,24 @@ struct MappingParams {
 
 /// Section `[views]`: maps of stereo views (Konolige & Bowman 2009).
 struct ViewParams {
-  double min_interval = 0.5;   ///< [s] between two views of the map (K-20: 15 frames at 30 Hz)
-  int max_features = 300;      ///< of a view, the strongest whose range is known (K-38)
-  int candidates = 15;         ///< views that go to geometric verification (K-15)
-  std::string vocabulary;      ///< file of a vocabulary tree; empty: trained on the map's own views
-  int train_after = 60;        ///< views from which such a tree is trained; all views are matched till then
-  double retrain_growth = 4;   ///< it is trained anew when the map has so many times as many views
-  bool wheels = true;          ///< wheel odometry, where there is any, bridges what visual odometry cannot
-  double sigma_floor = 0.002;  ///< [m] and [rad]: no link is stiffer
-  double weak_sigma = 10;      ///< [m] of a weak link; 1 rad counts as 1 m (K-11)
-  double relax_sigma = 1;      ///< disagreement of a new link with the poses from which they are relaxed
-  double relax_all_sigma = 3;  ///< the same after its surroundings were relaxed, for the whole map
+  double min_interval = 0.5;  ///< [s] between two views of the map (K-20: 15 frames at 30 Hz)
+  int max_features = 300;     ///< of a view, the strongest whose range is known (K-38)
+  int candidates = 15;        ///< views that go to geometric verification (K-15)
+  /// Inliers of a link that tells what nothing else tells, as K's experiments have it; others must agree with
+  /// the graph and need only those of [stereo] (K-E5, K-18).
+  int sure_inliers = 80;
+  double agree_distance = 0.5;  ///< [m] that a link may differ from the graph,
+  double agree_angle = 0.35;    ///< [rad] that it may,
+  double max_drift = 0.05;      ///< [m/m] and more on the way since the last link that closed a loop
+  double max_speed = 3;         ///< [m/s] of the robot: visual odometry that is faster has failed
+  std::string vocabulary;       ///< file of a vocabulary tree; empty: trained on the map's own views
+  int train_after = 60;         ///< views from which such a tree is trained; all views are matched till then
+  double retrain_growth = 4;    ///< it is trained anew when the map has so many times as many views
+  bool wheels = true;           ///< wheel odometry, where there is any, bridges what visual odometry cannot
+  double sigma_floor = 0.002;   ///< [m] and [rad]: no link is stiffer
+  double weak_sigma = 10;       ///< [m] of a weak link; 1 rad counts as 1 m (K-11)
+  double relax_sigma = 2;       ///< disagreement of a new link with the poses from which they are relaxed
+  double relax_all_sigma = 3;   ///< the same after its surroundings were relaxed, for the whole map
 
   void describe(base::Params& p);
 };

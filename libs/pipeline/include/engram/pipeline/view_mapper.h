@@ -69,6 +69,9 @@ class ViewMapper final : public MapBuilder {
   std::optional<types::RelPose> motionSinceAnchor() const;
   void addMotion(Work& work);
   void addLink(Work& work, const Link& link);
+  bool isSure(const Link& link) const;
+  bool agrees(const Work& work, const Link& link) const;
+  bool tooFast(const Work& work, const types::RelPose& T_anchor_robot) const;
   void linkNeighbours(Work& work);
   bool join(base::PlaceId a, base::PlaceId b, const Eigen::Isometry3d& T_a_b);
   void dropJoinedWeakLinks();
@@ -91,6 +94,10 @@ class ViewMapper final : public MapBuilder {
   double anchorStamp_ = 0;            // [s]
   types::RelPose T_anchor_keyframe_;  // of the robot at the keyframe of the odometry
   types::RelPose T_anchor_robot_;     // as last known
+  double stamp_ = 0;                  // [s] of T_anchor_robot_
+  double sinceClosure_ = 0;           // [m] driven since a link last closed a loop
+  std::size_t relaxedAt_ = 0;         // views of this drive when the whole map was last relaxed
+  std::size_t made_ = 0;              // views of this drive
   bool lost_ = true;                  // nothing measured joins the robot to the anchor
   DeadReckoning wheels_;              // from the anchor
   std::optional<Eigen::Isometry3d> T_odom_last_;
