@@ -18,6 +18,7 @@ std::string EvalProgram::examples() const {
          "  engram-eval tours --out tours --json tours.json\n"
          "  engram-eval words --images walk --truth truth.csv --out loops --json loops.json\n"
          "  engram-eval words --out words --json words.json\n"
+         "  engram-eval views --out views --json views.json\n"
          "  engram-eval odometry --rawlog office/session_01.rawlog --camera office/camera.ini --truth "
          "office/session_01.truth.tum --out vo\n";
 }
@@ -36,6 +37,9 @@ void EvalProgram::declare(CLI::App& app) {
       "Maps and localisation by visual words and odometry, on the simulator; or, with --images, "
       "loop closures on images with ground truth");
   words_.declare(*wordsApp_);
+  viewsApp_ = app.add_subcommand(
+      "views", "Lifelong maps of stereo views: stitched drives, repair, fifty sessions, kappa");
+  views_.declare(*viewsApp_);
   odometryApp_ = app.add_subcommand("odometry", "Visual odometry from a stereo camera, drift and time");
   odometry_.declare(*odometryApp_);
 }
@@ -43,6 +47,7 @@ void EvalProgram::declare(CLI::App& app) {
 int EvalProgram::run(std::ostream& out, std::ostream& err) {
   if (toursApp_->parsed()) return tours_.run(out, err);
   if (wordsApp_->parsed()) return words_.run(out, err);
+  if (viewsApp_->parsed()) return views_.run(out, err);
   if (odometryApp_->parsed()) return odometry_.run(out, err);
   return imagesApp_->parsed() ? images_.run(out, err) : memory_.run(out, err);
 }

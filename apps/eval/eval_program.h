@@ -7,6 +7,7 @@
 #include "memory_command.h"
 #include "odometry_command.h"
 #include "tours_command.h"
+#include "views_command.h"
 #include "words_command.h"
 
 namespace engram::apps {
@@ -26,6 +27,8 @@ class EvalProgram : public Program {
   CLI::App* imagesApp_ = nullptr;
   ToursCommand tours_;
   CLI::App* toursApp_ = nullptr;
+  ViewsCommand views_;
+  CLI::App* viewsApp_ = nullptr;
   WordsCommand words_;
   CLI::App* wordsApp_ = nullptr;
   OdometryCommand odometry_;

@@ -51,7 +51,7 @@ void claimFolder(const ExperimentOptions& options, const std::string& settings) 
       throw base::Error(options.folder +
                         " holds an experiment with other settings (see experiment.ini there); give another "
                         "folder, or --overwrite to remove its results");
-    for (const char* made : {"runs", "sweeps", "static_place"}) fs::remove_all(folder / made);
+    for (const char* made : {"runs", "sweeps", "static_place", "maps"}) fs::remove_all(folder / made);
   }
   base::writeText(file.string(), settings, true);
 }

@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <numbers>
 #include <ostream>
@@ -96,6 +97,9 @@ void OdometryCommand::drive(sources::RawlogSource& source, std::ostream& err) {
 
 void OdometryCommand::measureDrift() {
   if (truth_.empty()) return;
+  if (std::none_of(drive_.frames.begin(), drive_.frames.end(), [](const auto& f) { return f.result.ok(); }))
+    throw base::Error(rawlog_ + ": no motion was found; the last of " + std::to_string(drive_.frames.size()) +
+                      " frames failed with " + toString(drive_.frames.back().result.reason));
   auto truth = evaluation::readTum(truth_);
   if (fitBody_) {
     const auto R = evaluation::fitBody(drive_.pieces, truth);
@@ -135,15 +139,19 @@ int OdometryCommand::run(std::ostream& out, std::ostream& err) {
   checkOutput();
   const auto source = sources::openRawlog(rawlog_, source_);
   drive(*source, err);
-  measureDrift();
+  const std::string fault = describe(health_);
+  try {
+    measureDrift();
+  } catch (const base::Error&) {
+    if (fault.empty()) throw;  // otherwise the fault says why
+  }
   writeFiles();
   writeJson(json_, figures());
   if (!quiet_) out << figuresText(drive_, drift_);
-  if (const auto fault = describe(health_); !fault.empty())
-    err << "engram-eval: " << rawlog_ << ": " << fault << "\n";
+  if (!fault.empty()) err << "engram-eval: " << rawlog_ << ": " << fault << "\n";
   if (!source->problem().empty()) err << "engram-eval: " << source->problem() << "\n";
   if (base::interrupted()) err << "engram-eval: interrupted; the figures are of the frames so far\n";
-  return source->whole() && !base::interrupted() ? kOk : kPartial;
+  return source->whole() && fault.empty() && !base::interrupted() ? kOk : kPartial;
 }
 
 }  // namespace engram::apps

@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
+#include "engram/cameras/rectifier.h"
+#include "engram/odometry/stereo_check.h"
 #include "engram/sources/rawlog_source.h"
 #include "rawlog_program.h"
 
@@ -42,16 +45,45 @@ struct ImageSummary {
   }
 };
 
+/// Looks for faults of a stereo camera in the pairs of a rawlog.
+class EyeInspector {
+ public:
+  /// @param rig the calibration in force at this frame.
+  void add(const types::Frame& frame, const std::optional<cameras::StereoRig>& rig) {
+    if (frame.right.empty() || !rig || !mistake_.empty()) return;
+    try {
+      if (!rectifier_) rectifier_.emplace(*rig);
+      check_.add((*rectifier_)(frame.image, frame.right));
+    } catch (const base::Error& e) {
+      mistake_ = e.what();
+    }
+  }
+  odometry::StereoHealth health() const { return check_.health(); }
+  /// What is wrong with the calibration or the eyes; empty when nothing is known to be.
+  std::string fault() const { return mistake_.empty() ? describe(health()) : mistake_; }
+
+ private:
+  std::optional<cameras::Rectifier> rectifier_;
+  odometry::StereoCheck check_;
+  std::string mistake_;
+};
+
 class InfoCommand final : public RawlogCommand {
  public:
   std::string name() const override { return "info"; }
   std::string description() const override { return "What a rawlog holds, and whether it is damaged"; }
   std::string examples() const override {
-    return "  engram-rawlog info walk.rawlog\n  engram-rawlog info walk.rawlog --json walk.json\n";
+    return "  engram-rawlog info walk.rawlog\n  engram-rawlog info walk.rawlog --json walk.json\n"
+           "  engram-rawlog info stereo.rawlog --camera stereo.ini    # are the eyes in order?\n";
   }
   void declare(CLI::App& app) override {
     app.add_option("rawlog", path_, "Rawlog to read, gzip or plain")->required();
     app.add_option("--sensor-label", params_.sensor_label, "Camera to look at; default: the first one");
+    app.add_option("--right-label", params_.right_label,
+                   "Right camera, where both eyes are recorded as cameras of their own");
+    app.add_option("--camera", camera_,
+                   "Calibration of the stereo camera, to check its eyes by; default: that of the rawlog")
+        ->type_name("FILE");
     app.add_option("--images-dir", params_.images_dir, "Folder of images stored outside")->type_name("DIR");
     common_.declare(app);
   }
@@ -62,29 +94,40 @@ class InfoCommand final : public RawlogCommand {
   nlohmann::json figures(const sources::RawlogStats& stats, const ImageSummary& images) const;
 
   CommonOptions common_;
-  std::string path_;
+  std::string path_, camera_;
   sources::RawlogParams params_;
+  std::optional<cameras::StereoRig> rig_;  // of --camera
 };
 
 int InfoCommand::run(std::ostream& out, std::ostream& err) {
+  if (!camera_.empty()) rig_ = cameras::loadStereoRig(camera_);
   const auto source = sources::openRawlog(path_, params_);
   ImageSummary images;
+  EyeInspector eyes;
   {
     base::Progress progress(common_.progressTo(err), "info");
     while (!base::interrupted()) {
       const auto frame = source->next();
       if (!frame) break;
       images.add(*frame);
+      eyes.add(*frame, rig_ ? rig_ : source->calibration());
       progress.update(source->progress(), images.images);
     }
   }
   print(out, *source, images);
   auto json = figures(source->stats(), images);
   json["stereo_calibration"] = source->calibration().has_value();
+  const std::string fault = eyes.fault();
+  if (images.stereo > 0)
+    json["stereo_check"] = {{"fault", toString(eyes.health().fault)},
+                            {"message", fault},
+                            {"row_error_px", eyes.health().rowError},
+                            {"pairs", eyes.health().pairs}};
   json["damage"] = source->damage();
   json["problem"] = source->problem();
   writeJson(common_.json, json);
-  return finish(source->problem(), source->whole(), base::interrupted(), err);
+  if (!fault.empty()) err << "engram-rawlog: " << path_ << ": " << fault << "\n";
+  return finish(source->problem(), source->whole() && fault.empty(), base::interrupted(), err);
 }
 
 void InfoCommand::print(std::ostream& out, const sources::RawlogSource& source,
@@ -105,7 +148,8 @@ void InfoCommand::print(std::ostream& out, const sources::RawlogSource& source,
     out << "  calibrated stereo camera, baseline " << fixed(rig->T_left_right().translation().norm(), 4)
         << " m\n";
   else if (images.stereo > 0)
-    out << "  stereo camera without calibration\n";
+    out << "  stereo camera without calibration" << (rig_ ? "" : ": give one with --camera to check the eyes")
+        << "\n";
   if (stats.odometry > 0)
     out << "  odometry: " << stats.odometry << " readings, path " << fixed(stats.pathLength, 2) << " m\n";
   if (stats.lastStamp > stats.firstStamp)

@@ -21,9 +21,10 @@ void SlamFigures::add(const types::FrameReport& report, const map::TopologicalMa
   unusable_ += report.outcome == types::Outcome::kUnusable;
   hasTruth_ = truth != nullptr;
   if (!report.closure) return;
-  const auto verdict = truth ? truth->judgeClosure(map, report, report.place) : evaluation::Verdict::kUnknown;
-  closures_.push_back(
-      {report.index, report.label, report.place, map.place(report.place).createdLabel, verdict});
+  // A map of views has closed the loop to an older view: the best guess.
+  const base::PlaceId to = report.outcome == types::Outcome::kNewPlace ? report.bestGuess : report.place;
+  const auto verdict = truth ? truth->judgeClosure(map, report, to) : evaluation::Verdict::kUnknown;
+  closures_.push_back({report.index, report.label, to, map.place(to).createdLabel, verdict});
 }
 
 nlohmann::json SlamFigures::toJson(const map::TopologicalMap& map, std::uint64_t mapBytes,

@@ -70,11 +70,17 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   if (!truth_.empty()) truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
   std::optional<store::MapFile> file;
   if (extend_) file = store::MapFile::open(path, store::Access::kReadOnly);
-  pipeline::Mapper mapper(config_.pipeline, file ? file->load() : map::TopologicalMap{});
+  map::TopologicalMap known;
+  if (file) known = file->load();
+  const int keep = config_.pipeline.upkeep.keep_drives;
+  if (keep > 0) known.forgetPath(known.nextSession() - keep);
+  const auto builder = pipeline::makeMapBuilder(config_.pipeline, std::move(known));
+  pipeline::MapBuilder& mapper = *builder;
   if (file) {
     store::requireCompatible(file->header(), mapper.header(), path);
     file.reset();  // a map that is refused keeps every byte
     file = store::MapFile::open(path, store::Access::kReadWrite);
+    if (keep > 0 && !mapper.map().path().empty()) file->forgetRecords(mapper.map().path().front().stamp);
   }
   stream_.open(path);
   window_.open(config_.pipeline, path, err);
@@ -103,7 +109,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   return conclude(*file, mapper, figures, truth ? &*truth : nullptr, out, err);
 }
 
-store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::Mapper& mapper,
+store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::MapBuilder& mapper,
                                       const types::Frame& first) {
   map::MapHeader header = mapper.header();
   header.parameters = config_.dumpForMap();
@@ -111,7 +117,7 @@ store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::M
   return store::MapFile::create(path, header, overwrite_);
 }
 
-int SlamProgram::conclude(store::MapFile& file, const pipeline::Mapper& mapper, SlamFigures& figures,
+int SlamProgram::conclude(store::MapFile& file, const pipeline::MapBuilder& mapper, SlamFigures& figures,
                           const MapTruth* truth, std::ostream& out, std::ostream& err) {
   const map::TopologicalMap& map = mapper.map();
   if (truth && truth->hasPoses())

@@ -307,6 +307,31 @@ TEST(TopologicalMap, PathBendsWithThePlaces) {
   EXPECT_NEAR((at - Eigen::Vector3d(5, 3, 0)).norm(), 0, 1e-12);
 }
 
+TEST(TopologicalMap, ForgetsThePathOfOldDrivesAlone) {
+  auto m = ringMap(4);
+  const auto pathBefore = m.path();
+  int last = pathBefore.empty() ? 0 : pathBefore.back().session;
+  for (int session = last + 1; session <= last + 3; ++session)
+    m.addPathPoint(
+        {session, 100.0 * session, p(static_cast<std::uint32_t>(session % 4)), planarPose(1, 0, 0)});
+  m.takeChanges();
+  m.forgetPath(last + 2);
+  ASSERT_EQ(m.path().size(), 2u);
+  EXPECT_EQ(m.path().front().session, last + 2);
+  EXPECT_EQ(m.places().size(), 4u);
+  m.checkInvariants();
+  const PlaceId anchor = m.path().front().anchor;
+  const Eigen::Isometry3d before = m.T_map_robot(m.path().front());
+  m.removePlace(anchor, anchor == p(0) ? p(1) : p(0));  // the numbers of the points are the new ones
+  EXPECT_TRUE(m.T_map_robot(m.path().front()).isApprox(before, 1e-9));
+  const MapChanges changes = m.takeChanges();
+  EXPECT_TRUE(changes.pathForgotten);
+  EXPECT_EQ(changes.firstNewPathPoint, 0u);
+  EXPECT_EQ(changes.pathSize, 2u);
+  m.forgetPath(last + 2);
+  EXPECT_TRUE(m.takeChanges().empty()) << "nothing more to forget";
+}
+
 /// A ring whose places were pushed about is round again after a relaxation of its graph.
 TEST(TopologicalMap, GraphRelaxesBackToTheRing) {
   auto m = ringMap(8);

@@ -65,6 +65,15 @@ TEST(StereoCheck, SwappedEyes) {
   EXPECT_THAT(describe(health), HasSubstr("swapped"));
 }
 
+/// Each rectified as if it were the other: their rows do not agree any more.
+TEST(StereoCheck, EyesSwappedBeforeRectification) {
+  auto shown = crooked();
+  for (auto& one : shown) std::swap(one.raw.left, one.raw.right);
+  const auto health = check(rectify(crookedRig(), shown).pairs);
+  EXPECT_FALSE(health.ok());
+  EXPECT_THAT(describe(health), HasSubstr("left and right swapped?"));
+}
+
 TEST(StereoCheck, EyesOutOfStepByAFrame) {
   const auto& pairs = sound().pairs;
   std::vector<types::StereoPair> late, early;

@@ -114,7 +114,7 @@ TEST(StereoOdometry, SameFramesSameResults) {
 }
 
 TEST(StereoOdometry, DescriptorsBridgeWhatTrackingCannot) {
-  const Rectified sparse = rectify(smallRig(), driveThroughOffice(smallRig(), 5, 0.5));
+  const Rectified sparse = rectify(smallRig(), driveThroughOffice(smallRig(), 5, 0.7));
   const auto failures = [&](bool wide) {
     OdometryParams params;
     params.wide_baseline = wide;

@@ -20,13 +20,6 @@ DriveFrames render(int session) {
 
 }  // namespace
 
-double DriveFrames::length() const {
-  double sum = 0;
-  for (std::size_t i = 1; i < T_world_robot.size(); ++i)
-    sum += (T_world_robot[i].translation() - T_world_robot[i - 1].translation()).norm();
-  return sum;
-}
-
 const DriveFrames& firstDrive() {
   static const DriveFrames drive = render(1);
   return drive;

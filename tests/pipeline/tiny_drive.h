@@ -16,7 +16,13 @@ namespace engram::testing {
 struct DriveFrames {
   std::vector<types::Frame> frames;
   std::vector<Eigen::Isometry3d> T_world_robot;
-  double length() const;  ///< true path [m]
+  /// True path [m].
+  double length() const {
+    double sum = 0;
+    for (std::size_t i = 1; i < T_world_robot.size(); ++i)
+      sum += (T_world_robot[i].translation() - T_world_robot[i - 1].translation()).norm();
+    return sum;
+  }
 };
 
 /// Once round the building on the first day, and again weeks later: other light, some posters and furniture

@@ -3,6 +3,7 @@
 #include "engram/sources/rawlog_writer.h"
 
 #include "engram/base/error.h"
+#include "engram/cameras/pinhole.h"
 #include "engram/sources/odometry_track.h"
 #include "rawlog_fixture.h"
 
@@ -84,6 +85,40 @@ TEST(RawlogWriter, RoundTripStereo) {
   EXPECT_LT(difference(frames[0].image, frame.image), 3.0);
   EXPECT_LT(difference(frames[0].right, frame.right), 3.0);
   EXPECT_EQ(frames[0].label, "CAMERA");
+}
+
+/// A stereo camera that is not quite parallel, with lenses.
+cameras::StereoRig rig() {
+  const auto eye = [](cameras::ImagePlaneParams plane) {
+    return cameras::makeRig(std::make_shared<cameras::Pinhole>(cv::Size(64, 48), plane));
+  };
+  cameras::ImagePlaneParams left{.fx = 50, .fy = 51, .cx = 31, .cy = 25};
+  left.k1 = -0.2, left.k2 = 0.03, left.p1 = 1e-3, left.p2 = -2e-3, left.k3 = 0.01;
+  cameras::StereoRig rig{eye(left), eye({.fx = 52, .fy = 52, .cx = 30, .cy = 24})};
+  rig.left.T_robot_cam.translation() << 0.2, 0.05, 1.1;
+  rig.right.T_robot_cam = rig.left.T_robot_cam * Eigen::Translation3d(0.12, 1e-3, -2e-3) *
+                          Eigen::AngleAxisd(0.02, Eigen::Vector3d(1, 2, 3).normalized());
+  return rig;
+}
+
+TEST(RawlogWriter, TheCalibrationOfAStereoCameraComesBack) {
+  const TempFolder folder;
+  types::Frame frame = makeFrame(1, 1);
+  frame.right = picture(99, {64, 48}, 1);
+  RawlogWriterParams params;
+  params.stereo = rig();
+  RawlogWriter writer(folder.path("s.rawlog"), params);
+  writer.add(frame);
+  writer.close();
+  const auto source = openRawlog(folder.path("s.rawlog"));
+  EXPECT_FALSE(source->calibration());
+  ASSERT_TRUE(source->next());
+  ASSERT_TRUE(source->calibration());
+  const auto &was = *params.stereo, &is = *source->calibration();
+  EXPECT_TRUE(is.left.T_robot_cam.isApprox(was.left.T_robot_cam, 1e-9));
+  EXPECT_TRUE(is.T_left_right().isApprox(was.T_left_right(), 1e-9));
+  EXPECT_EQ(is.left.camera->toText(), was.left.camera->toText());
+  EXPECT_EQ(is.right.camera->toText(), was.right.camera->toText());
 }
 
 TEST(RawlogWriter, MrptReadsWhatWeWrite) {

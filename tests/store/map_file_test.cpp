@@ -132,6 +132,7 @@ TEST_F(MapFileTest, EveryKindOfDescriptorAndNoBearings) {
       m.states.emplace_back().id = m.nextFeatureId++;
       m.states.back().counter = static_cast<std::uint16_t>(65535 - i);
     }
+    if (kind == types::DescriptorKind::kInt8) m.features.ranges = {1.5f, 0.0f, 3.25f};  // a stereo view
     map::TopologicalMap map;
     map.addPlace(place);
     MapFile file = MapFile::create(path("a.engram"), sampleHeader(), true);
@@ -139,6 +140,7 @@ TEST_F(MapFileTest, EveryKindOfDescriptorAndNoBearings) {
     const auto read = file.load();
     EXPECT_EQ(read.place(map::PlaceId(0)).memory.features.descriptors, m.features.descriptors);
     EXPECT_EQ(read.place(map::PlaceId(0)).memory.states, m.states);
+    EXPECT_EQ(read.place(map::PlaceId(0)).memory.features.ranges, m.features.ranges);
     EXPECT_EQ(text({}, read.content()), text({}, map.content()));
   }
 }
@@ -209,6 +211,36 @@ TEST_F(MapFileTest, PlacesThatNoRuleHasJudgedAreThoseOfTheFirstVersion) {
   map.setStanding(map::PlaceId(0), map::Standing::kConfirmed, std::nullopt);
   file.commit(map, map.takeChanges());
   EXPECT_EQ(firstRow(path("a.engram"), "places"), old);
+}
+
+TEST_F(MapFileTest, ForgetsThePathAndTheRecordsOfOldDrives) {
+  auto map = ringMap(4);
+  for (int session = 10; session < 14; ++session)
+    map.addPathPoint({session, 100.0 * session, map::PlaceId(0), Eigen::Isometry3d::Identity()});
+  auto file = MapFile::create(path("a.engram"), sampleHeader());
+  for (int k = 0; k < 5; ++k) {
+    types::FrameReport report = sampleReport();
+    report.index = static_cast<std::uint64_t>(k);
+    report.stamp = 1000.25 + 100 * k;
+    file.commit(map, map.takeChanges(), &report);
+  }
+  map.forgetPath(12);
+  file.forgetRecords(map.path().front().stamp);
+  types::FrameReport report = sampleReport();
+  report.index = 5;
+  report.stamp = 1500;
+  map.addPathPoint({14, 1500, map::PlaceId(1), Eigen::Isometry3d::Identity()});
+  file.commit(map, map.takeChanges(), &report);
+  file.close();
+  const auto again = MapFile::open(path("a.engram"), Access::kReadOnly);
+  EXPECT_THAT(again.check(), IsEmpty());
+  const auto loaded = again.load();
+  ASSERT_EQ(loaded.path().size(), 3u);
+  EXPECT_EQ(loaded.path().front().session, 12);
+  EXPECT_EQ(loaded.path().back().anchor, map::PlaceId(1));
+  std::vector<std::uint64_t> kept;
+  for (const auto& record : again.records()) kept.push_back(record.index);
+  EXPECT_THAT(kept, ::testing::ElementsAre(2, 3, 4, 5));
 }
 
 TEST_F(MapFileTest, EqualMapsGiveEqualDumps) {

@@ -25,8 +25,9 @@ bool isPositiveDefinite(const Eigen::Ref<const Eigen::MatrixXd>& m) {
 std::string brokenRule(const memory::PlaceMemory& memory) {
   const std::size_t n = memory.states.size();
   const auto& f = memory.features;
-  if (f.keypoints.size() != n || f.descriptors.size() != n || (!f.bearings.empty() && f.bearings.size() != n))
-    return "its features, descriptors, bearings and states differ in number";
+  if (f.keypoints.size() != n || f.descriptors.size() != n ||
+      (!f.bearings.empty() && f.bearings.size() != n) || (!f.ranges.empty() && f.ranges.size() != n))
+    return "its features, descriptors, bearings, ranges and states differ in number";
   std::vector<std::uint32_t> ids;
   ids.reserve(n);
   for (const auto& state : memory.states) ids.push_back(state.id);

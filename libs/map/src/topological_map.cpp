@@ -27,7 +27,7 @@ std::string ends(const Edge& edge) {
 bool MapChanges::empty() const {
   return places.empty() && memories.empty() && views.empty() && edges.empty() && removedPlaces.empty() &&
          removedViews.empty() && removedEdges.empty() && movedPathPoints.empty() &&
-         firstNewPathPoint == pathSize;
+         !pathForgotten && firstNewPathPoint == pathSize;
 }
 
 TopologicalMap::TopologicalMap(MapContent content) : content_(std::move(content)) {
@@ -96,6 +96,16 @@ void TopologicalMap::addPathPoint(const PathPoint& point) {
     throw base::Error("the path cannot take a pose that is not finite");
   holds_[point.anchor].path.push_back(content_.path.size());
   content_.path.push_back(point);
+}
+
+void TopologicalMap::forgetPath(int firstKeptSession) {
+  const auto gone =
+      std::erase_if(content_.path, [&](const PathPoint& p) { return p.session < firstKeptSession; });
+  if (gone == 0) return;
+  for (auto& [id, holds] : holds_) holds.path.clear();
+  for (std::size_t i = 0; i < content_.path.size(); ++i) holds_[content_.path[i].anchor].path.push_back(i);
+  changes_.pathForgotten = true;
+  changes_.firstNewPathPoint = 0;
 }
 
 void TopologicalMap::removePlace(PlaceId id, PlaceId heir) {

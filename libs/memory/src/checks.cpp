@@ -25,6 +25,8 @@ void checkView(const types::Features& view) {
     refuse("the view has another number of descriptors than keypoints");
   if (!view.bearings.empty() && view.bearings.size() != view.size())
     refuse("the view has another number of bearings than keypoints");
+  if (!view.ranges.empty() && view.ranges.size() != view.size())
+    refuse("the view has another number of ranges than keypoints");
   for (const auto& keypoint : view.keypoints)
     if (!std::isfinite(keypoint.response)) refuse("a response of the view is not finite");
 }

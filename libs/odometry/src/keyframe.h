@@ -28,9 +28,11 @@ class View {
   int corners() const { return corners_; }
   const std::vector<types::StereoPoint>& points() const { return points_; }
 
-  std::optional<types::Features> features;  ///< with ranges; by descriptorFeatures()
+  std::optional<types::Features> features;  ///< with ranges; of WideBaseline
 
  private:
+  void buildPyramid(const OdometryParams& params, bool derivatives);
+
   types::StereoPair pair_;
   std::vector<cv::Mat> pyramid_;
   RowMatcher rows_;

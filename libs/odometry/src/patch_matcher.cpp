@@ -49,7 +49,40 @@ struct Best {
   bool good() const { return first >= kSimilar && first >= second + kDistinct; }
 };
 
+constexpr int kRadius = 4, kSide = 2 * kRadius + 1;
+using Window = std::array<float, kSide * kSide>;
+
+/// Between the pixels, of zero mean; false where it is not inside.
+bool sample(const cv::Mat& image, cv::Point2f centre, Window& out) {
+  const float x = centre.x - kRadius, y = centre.y - kRadius;
+  const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
+  if (ix < 0 || iy < 0 || ix + kSide >= image.cols || iy + kSide >= image.rows) return false;
+  const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
+  const float w00 = (1 - fx) * (1 - fy), w01 = fx * (1 - fy), w10 = (1 - fx) * fy, w11 = fx * fy;
+  float sum = 0;
+  for (int r = 0; r < kSide; ++r) {
+    const auto *top = image.ptr<std::uint8_t>(iy + r) + ix,
+               *bottom = image.ptr<std::uint8_t>(iy + r + 1) + ix;
+    for (int c = 0; c < kSide; ++c) {
+      const float value = w00 * top[c] + w01 * top[c + 1] + w10 * bottom[c] + w11 * bottom[c + 1];
+      out[static_cast<std::size_t>(r * kSide + c)] = value;
+      sum += value;
+    }
+  }
+  for (float& value : out) value -= sum / (kSide * kSide);
+  return true;
+}
+
 }  // namespace
+
+float similarity(const cv::Mat& imageA, cv::Point2f a, const cv::Mat& imageB, cv::Point2f b) {
+  Window p, q;
+  if (!sample(imageA, a, p) || !sample(imageB, b, q)) return -1;
+  float pq = 0, pp = 0, qq = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) pq += p[i] * q[i], pp += p[i] * p[i], qq += q[i] * q[i];
+  const float scale = std::sqrt(pp * qq);
+  return scale > 0 ? pq / scale : 0;
+}
 
 std::vector<Patch> cornerPatches(const cv::Mat& image, int wanted) {
   std::vector<Patch> patches;

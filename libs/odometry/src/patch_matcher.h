@@ -20,6 +20,10 @@ struct Patch {
 /// The patches of at most `wanted` corners, by their rows.
 std::vector<Patch> cornerPatches(const cv::Mat& image, int wanted);
 
+/// Correlation, -1 to 1, of the surroundings of a point of one image and of one of another, 9 x 9 pixels; -1
+/// where one of them reaches beyond its image.
+float similarity(const cv::Mat& imageA, cv::Point2f a, const cv::Mat& imageB, cv::Point2f b);
+
 /// Where a patch of one image was found in another: how much further left and how much higher [px].
 struct Shift {
   float left = 0, up = 0;

@@ -53,11 +53,12 @@ cv::Mat smooth(const cv::Mat& image) {
   return out;
 }
 
-/// Horizontal gradient around 128: bright and dark images of one scene look alike, and only vertical edges
-/// tell a disparity.
+/// Horizontal gradient around 128, twice the difference of the neighbours: bright and dark images of one
+/// scene look alike, and only vertical edges tell a disparity.
 cv::Mat gradientOf(const cv::Mat& image) {
-  cv::Mat gradient;
-  cv::Sobel(image, gradient, CV_8U, 1, 0, 3, 0.5, 128);
+  cv::Mat difference, gradient;
+  cv::Sobel(image, difference, CV_16S, 1, 0);
+  difference.convertTo(gradient, CV_8U, 0.5, 128);
   return gradient;
 }
 

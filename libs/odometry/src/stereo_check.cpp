@@ -88,6 +88,7 @@ std::optional<StereoCheck::Impl::Eyes> StereoCheck::Impl::look(const types::Ster
   const auto shifts = matchPatches(eyes.left, eyes.right, eyes.columns, kRows);
   count(shifts, health_.together);
   count(shifts, health_.swapped, -1);
+  for (const auto& shift : shifts) health_.negative += shift.left < -kNoise;
   for (const auto& shift : shifts)
     if (rowErrors_.size() < kKept) rowErrors_.push_back(std::abs(shift.up));
   return eyes;
@@ -153,8 +154,11 @@ std::string describe(const StereoHealth& h) {
       std::snprintf(
           text, sizeof text,
           "the images are not rectified by this calibration: only %.0f %% of %d matches are in one row, the "
-          "median is %.1f px apart; calibrate again, or give the calibration of the images as they are",
-          percent(h.together), h.together.matches, h.rowError);
+          "median is %.1f px apart; %s",
+          percent(h.together), h.together.matches, h.rowError,
+          2 * h.negative > h.together.matches
+              ? "most disparities are negative: are left and right swapped?"
+              : "calibrate again, or give the calibration of the images as they are");
       break;
   }
   return text;

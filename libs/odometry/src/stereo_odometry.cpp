@@ -5,6 +5,7 @@
 #include "engram/base/error.h"
 #include "engram/geometry/stereo_verify.h"
 #include "keyframe.h"
+#include "patch_matcher.h"
 #include "wide_baseline.h"
 
 #include <opencv2/video/tracking.hpp>
@@ -14,8 +15,13 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr double kSure = 0.5;    // share of the tracks in agreement from which nothing else is tried
-constexpr int kSuggestion = 10;  // inliers from which a motion may be right
+constexpr double kSure = 0.5;        // share of the tracks in agreement from which nothing else is tried
+constexpr int kNear = 2;             // levels of the pyramid that do when the motion is as expected
+constexpr float kSimilar = 0.5f;     // correlation of what is tracked: where it is less, tracking got stuck
+constexpr double kCorrelated = 4;    // see estimate()
+constexpr int kReach = 6;            // [px] from the expected disparity, and …
+constexpr float kReachShare = 0.3f;  // … as a share of it
+constexpr int kSuggestion = 10;      // inliers from which a motion may be right
 
 double angleOf(const Isometry3d& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
 
@@ -47,7 +53,7 @@ class StereoOdometry::Impl {
   void reset() { keyframe_.reset(); }
 
  private:
-  std::vector<geometry::StereoMatch> track(const View& now, const Isometry3d& expected) const;
+  std::vector<geometry::StereoMatch> track(const View& now, const Isometry3d& expected, int levels) const;
   void estimate(std::span<const geometry::StereoMatch> matches, OdometryResult& result) const;
   void find(View& now, const Isometry3d& expected, OdometryResult& result);
   bool keyframeDue(const OdometryResult& result) const;
@@ -65,11 +71,12 @@ class StereoOdometry::Impl {
 
 /// Points of the keyframe that are found in the left image near where they are expected, and from there in
 /// the right one.
-std::vector<geometry::StereoMatch> StereoOdometry::Impl::track(const View& now,
-                                                               const Isometry3d& expected) const {
+std::vector<geometry::StereoMatch> StereoOdometry::Impl::track(const View& now, const Isometry3d& expected,
+                                                               int levels) const {
   const Isometry3d T_now_keyframe = expected.inverse();
   std::vector<const types::StereoPoint*> sought;
   std::vector<cv::Point2f> from, to;
+  std::vector<float> disparities;  // expected
   for (const auto& p : keyframe_->points()) {
     const Eigen::Vector3d point = T_now_keyframe * model_.toPoint(p);
     if (point.z() < 0.1) continue;
@@ -78,23 +85,27 @@ std::vector<geometry::StereoMatch> StereoOdometry::Impl::track(const View& now,
     sought.push_back(&p);
     from.emplace_back(static_cast<float>(p.u), static_cast<float>(p.v));
     to.emplace_back(static_cast<float>(at.u), static_cast<float>(at.v));
+    disparities.push_back(static_cast<float>(at.disparity));
   }
   std::vector<geometry::StereoMatch> matches;
   if (sought.empty()) return matches;
   std::vector<std::uint8_t> found;
   std::vector<float> error;
   cv::calcOpticalFlowPyrLK(keyframe_->pyramid(), now.pyramid(), from, to, found, error,
-                           {params_.track_window, params_.track_window}, params_.track_levels - 1,
-                           {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01},
+                           {params_.track_window, params_.track_window}, levels - 1,
+                           {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 12, 0.03},
                            cv::OPTFLOW_USE_INITIAL_FLOW, 1e-3);
   for (std::size_t i = 0; i < sought.size(); ++i) {
-    if (!found[i]) continue;
-    if (const auto d = now.rows().disparity(to[i].x, to[i].y))
+    if (!found[i] || similarity(keyframe_->pair().left, from[i], now.pair().left, to[i]) < kSimilar) continue;
+    const int reach = kReach + static_cast<int>(disparities[i] * kReachShare);
+    if (const auto d = now.rows().disparity(to[i].x, to[i].y, disparities[i], reach))
       matches.push_back({*sought[i], {to[i].x, to[i].y, *d}});
   }
   return matches;
 }
 
+/// The covariance of the refinement takes the errors of the points to be independent. Those of neighbours,
+/// and of the eyes, are not: on simulated drives the true errors have twice the deviations that it gives.
 void StereoOdometry::Impl::estimate(std::span<const geometry::StereoMatch> matches,
                                     OdometryResult& result) const {
   const auto verified = geometry::verifyStereo(matches, model_,
@@ -106,15 +117,20 @@ void StereoOdometry::Impl::estimate(std::span<const geometry::StereoMatch> match
   result.matches = static_cast<int>(matches.size());
   result.inliers = static_cast<int>(verified.inliers.size());
   result.T_keyframe_now = verified.T_a_b;
+  result.T_keyframe_now.cov *= kCorrelated;
   result.sigma = verified.sigma;
 }
 
-/// Tracks; where that fails, or few of the tracks agree, descriptors are asked. A motion that they suggest
-/// tells where to look for more, so that one that is right but has few inliers is not lost.
+/// Tracks near where the motion is expected, then further; where that fails, or few of the tracks agree,
+/// descriptors are asked. A motion that they suggest tells where to look for more, so that one that is right
+/// but has few inliers is not lost.
 void StereoOdometry::Impl::find(View& now, const Isometry3d& expected, OdometryResult& result) {
-  estimate(track(now, expected), result);
-  const bool sure = result.ok() && result.inliers >= kSure * result.matches;
-  if (sure || !params_.wide_baseline) return;
+  const int levels = params_.track_levels;
+  estimate(track(now, expected, std::min(kNear, levels)), result);
+  const auto sure = [&] { return result.ok() && result.inliers >= kSure * result.matches; };
+  if (levels > kNear && (!sure() || result.inliers < kSure * result.points))
+    estimate(track(now, expected, levels), result);
+  if (sure() || !params_.wide_baseline) return;
   const auto attempt = [&](std::span<const geometry::StereoMatch> matches) {
     OdometryResult other;
     other.points = result.points;
@@ -125,8 +141,10 @@ void StereoOdometry::Impl::find(View& now, const Isometry3d& expected, OdometryR
   };
   attempt(wide_.match(*keyframe_, now));
   if (result.inliers < kSuggestion) return;
-  attempt(wide_.matchNear(*keyframe_, now, result.T_keyframe_now.T_a_b));
-  attempt(track(now, result.T_keyframe_now.T_a_b));
+  auto near = wide_.matchNear(*keyframe_, now, result.T_keyframe_now.T_a_b);
+  const auto tracked = track(now, result.T_keyframe_now.T_a_b, levels);
+  near.insert(near.end(), tracked.begin(), tracked.end());
+  attempt(near);
 }
 
 bool StereoOdometry::Impl::keyframeDue(const OdometryResult& result) const {

@@ -22,7 +22,7 @@ Localizer::Localizer(const PipelineParams& params, map::TopologicalMap map, bool
       perception_(params.camera, params.extractor),
       memory_(memory::makeMemoryModel(params.memory, params.fsh, params.multi_store)),
       gate_(params.memory),
-      recogniser_(params, Recogniser::Mode::kLocalisation),
+      recogniser_(params, Recogniser::Mode::kLocalisation, perception_.stereo()),
       reckoning_(params.odometry),
       sinceLearning_(std::numeric_limits<double>::infinity()),
       map_(std::move(map)),
@@ -126,6 +126,8 @@ void Localizer::follow(Work& work) {
   last_ = work.report.place;
   gate_.accepted(last_);
   sinceLast_ = 0.0;
+  if (const auto& T_place_robot = work.accepted->T_place_robot)
+    return reckoning_.reset(T_place_robot->T_a_b, T_place_robot->cov);
   const double extent = params_.place.spacing;
   reckoning_.reset(Eigen::Isometry3d(work.accepted->R_place_view),
                    planarCovariance(extent, extent, 0.05, params_.odometry.sigma_floor));
@@ -175,8 +177,7 @@ void Localizer::learnDistant(types::FrameReport& report) {
 
 /// The view is matched again: the place may have learnt since.
 void Localizer::learn(const Lesson& lesson, types::FrameReport& report) {
-  const PlaceMatch match =
-      matchToPlace(lesson.view, map_.place(lesson.place).memory, params_.match, params_.verify);
+  const PlaceMatch match = recogniser_.held(lesson.view, map_.place(lesson.place).memory);
   if (!strongEnough(match, params_.recognise)) return;
   report.memory +=
       map_.remember(lesson.place, *memory_, inPlaceFrame(lesson.view, match.R_place_view), match.matches);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/mapper.h"
 
+#include "engram/base/error.h"
 #include "engram/map/graph.h"
 #include "step_timer.h"
 #include "thumbnail.h"
@@ -44,7 +45,7 @@ Mapper::Mapper(const PipelineParams& params, map::TopologicalMap map)
       perception_(params.camera, params.extractor),
       memory_(memory::makeMemoryModel(params.memory, params.fsh, params.multi_store)),
       gate_(params.memory),
-      recogniser_(params, Recogniser::Mode::kMapping),
+      recogniser_(params, Recogniser::Mode::kMapping, perception_.stereo()),
       relaxer_(posegraph::makeRelaxer(params.posegraph)),
       reckoning_(params.odometry),
       sinceMade_(params.odometry),
@@ -52,6 +53,10 @@ Mapper::Mapper(const PipelineParams& params, map::TopologicalMap map)
       map_(std::move(map)),
       session_(map_.nextSession()),
       frontier_(map_.empty()) {
+  if (perception_.stereo() && params_.memory.memory != "static")
+    throw base::ConfigError("[camera] stereo = true needs [memory] memory = static, not " +
+                            params_.memory.memory +
+                            ": the 3D points of a place are those that one view of it has");
   recogniser_.load(map_);
   closures_.load(map_);
 }

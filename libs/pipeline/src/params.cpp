@@ -26,11 +26,10 @@ void PlaceParams::describe(base::Params& p) {
 }
 
 void RecogniseParams::describe(base::Params& p) {
-  p.addChoice(
-      "scorer", scorer,
-      "what scores the places: matches with long-term features, or votes of the words of an incremental "
-      "dictionary",
-      {"ltm_match", "tfidf_incremental"});
+  p.addChoice("scorer", scorer,
+              "what scores the places: matches with long-term features, votes of the words of an incremental "
+              "dictionary, or of those of a vocabulary tree",
+              {"ltm_match", "tfidf_incremental", "vocabulary_tree"});
   p.add("rescore", rescore,
         "tfidf_incremental: so many places with the most votes are scored again as by ltm_match; 0 leaves it "
         "to "
@@ -75,12 +74,48 @@ void OdometryParams::describe(base::Params& p) {
   p.add("sigma_floor", sigma_floor, "least standard deviation of an edge [m and rad]", {1e-6, 10});
 }
 
+void MappingParams::describe(base::Params& p) {
+  p.addChoice("nodes", nodes,
+              "what the nodes of the map are: places, which remember what they were seen to look like; or "
+              "views of a stereo camera",
+              {"places", "views"});
+}
+
+void ViewParams::describe(base::Params& p) {
+  p.add("min_interval", min_interval, "time between two views of the map [s]", {0, 3600});
+  p.add("max_features", max_features, "features of a view, the strongest whose range is known", {10, 10000});
+  p.add("candidates", candidates, "views of the map that go to geometric verification", {1, 1000});
+  p.add("vocabulary", vocabulary,
+        "file of a vocabulary tree, made with `engram-map train-vocabulary`; empty: one is trained on the "
+        "views of the map");
+  p.add("train_after", train_after,
+        "without a file: views from which a tree is trained; till then an image is matched with all",
+        {2, 1e6});
+  p.add("retrain_growth", retrain_growth,
+        "without a file: the tree is trained anew when the map has so many times as many views", {1.1, 1000});
+  p.add("wheels", wheels,
+        "where visual odometry fails, that of the wheels joins the views; false: a weak link as without "
+        "wheels");
+  p.add("sigma_floor", sigma_floor, "least standard deviation of a link [m and rad]", {1e-6, 10});
+  p.add("weak_sigma", weak_sigma,
+        "standard deviation of a weak link, which joins what nothing measured joins [m]", {0.1, 1e6});
+  p.add("relax_sigma", relax_sigma,
+        "standard deviations by which a new link must differ from the poses to have its surroundings relaxed",
+        {0, 1000});
+  p.add("relax_all_sigma", relax_all_sigma,
+        "standard deviations by which it must differ after that to have the whole map relaxed", {0, 1000});
+}
+
 void PipelineParams::bind(base::Config& config) {
+  config.bind("mapping", mapping);
   config.bind("camera", camera);
   config.bind("extractor", extractor);
   config.bind("matching", match);
   config.bind("words", words);
+  config.bind("tree", tree);
   config.bind("verify", verify);
+  config.bind("stereo", stereo);
+  config.bind("visual_odometry", visual_odometry);
   config.bind("select", select);
   config.bind("recognise", recognise);
   config.bind("belief", belief);
@@ -90,6 +125,8 @@ void PipelineParams::bind(base::Config& config) {
   config.bind("fsh", fsh);
   config.bind("multi_store", multi_store);
   config.bind("posegraph", posegraph);
+  config.bind("views", views);
+  config.bind("upkeep", upkeep);
 }
 
 }  // namespace engram::pipeline

@@ -3,6 +3,8 @@
 #include "engram/pipeline/perception.h"
 
 #include "engram/base/error.h"
+#include "engram/odometry/row_matcher.h"
+#include "engram/posegraph/graph.h"
 #include "step_timer.h"
 
 #include <opencv2/imgproc.hpp>
@@ -19,6 +21,19 @@ void CameraParams::describe(base::Params& p) {
   p.addDegrees("fov_deg", fov, "horizontal field of view of an uncalibrated camera [deg]", {10, 170});
   p.add("image_width", image_width, "images are scaled to this width before extraction [px]; 0 keeps them",
         {0, 8192});
+  p.add(
+      "stereo", stereo,
+      "true: both eyes of the stereo camera that `file` describes are used, rectified; features get ranges");
+  p.add("max_disparity", max_disparity, "stereo: largest disparity that is sought [px]", {8, 1024});
+}
+
+types::RelPose StereoCamera::ofRobot(const types::RelPose& T_eye_a_b) const {
+  types::RelPose T_a_b = T_eye_a_b;
+  T_a_b.T_a_b = T_robot_cam * T_eye_a_b.T_a_b * T_robot_cam.inverse();
+  const types::Matrix6d A = posegraph::adjoint(T_robot_cam);
+  T_a_b.cov = A * T_eye_a_b.cov * A.transpose();
+  T_a_b.cov = 0.5 * (T_a_b.cov + T_a_b.cov.transpose().eval());
+  return T_a_b;
 }
 
 Perception::Perception(CameraParams camera, const features::ExtractorParams& extractor)
@@ -26,7 +41,17 @@ Perception::Perception(CameraParams camera, const features::ExtractorParams& ext
       extractor_(features::makeExtractor(extractor)),
       upright_(extractor.upright),
       calibrated_(!params_.file.empty()) {
-  if (!params_.file.empty()) setRig(cameras::loadCamera(params_.file));
+  if (params_.stereo) {
+    if (params_.file.empty() || !cameras::describesStereo(params_.file))
+      throw base::ConfigError(
+          "[camera] stereo = true needs the calibration of a stereo camera, but file = '" + params_.file +
+          "' describes none; make one with `engram-rawlog calibrate --stereo`");
+    if (params_.image_width != 0)
+      throw base::ConfigError("[camera] image_width must be 0 with stereo = true");
+    setStereoRig(cameras::loadStereoRig(params_.file));
+  } else if (!params_.file.empty()) {
+    setRig(cameras::loadCamera(params_.file));
+  }
 }
 
 Perception::Perception(cameras::CameraRig rig, const features::ExtractorParams& extractor)
@@ -47,6 +72,20 @@ void Perception::setRig(cameras::CameraRig rig) {
   rig_ = std::move(rig);
 }
 
+/// Both eyes as one rectified camera in the left one's place.
+void Perception::setStereoRig(const cameras::StereoRig& rig) {
+  rectifier_.emplace(rig);
+  stereo_ = StereoCamera{rectifier_->model(), rectifier_->T_robot_cam()};
+  stereoText_ = cameras::toText(rig);
+  const types::StereoModel& m = stereo_->model;
+  cameras::CameraRig left = cameras::makeRig(std::make_shared<cameras::Pinhole>(
+      rectifier_->imageSize(), cameras::ImagePlaneParams{.fx = m.f, .fy = m.f, .cx = m.cx, .cy = m.cy}));
+  left.T_robot_cam = stereo_->T_robot_cam;
+  left.mask = rectifier_->mask();
+  setRig(std::move(left));
+  expectedSize_ = rig.left.camera->imageSize();
+}
+
 std::optional<types::Features> Perception::look(const types::Frame& frame, int minFeatures,
                                                 types::FrameReport& report) {
   const StepTimer timer(report, "perceive");
@@ -54,9 +93,9 @@ std::optional<types::Features> Perception::look(const types::Frame& frame, int m
   report.stamp = frame.stamp;
   report.label = frame.label;
   report.outcome = types::Outcome::kUnusable;
-  report.reason = refusal(frame.image);
+  report.reason = refusal(frame);
   if (!report.reason.empty()) return std::nullopt;
-  types::Features features = (*this)(frame.image);
+  types::Features features = stereo_ ? (*this)(rectified(frame)) : (*this)(frame.image);
   report.features = static_cast<int>(features.size());
   if (report.features >= minFeatures) return features;
   report.reason = "too few features";
@@ -76,7 +115,34 @@ std::string Perception::refusal(const cv::Mat& image) {
   return what;
 }
 
-types::Features Perception::operator()(const cv::Mat& image) const {
+std::string Perception::refusal(const types::Frame& frame) {
+  std::string reason = refusal(frame.image);
+  if (!reason.empty() || !stereo_) return reason;
+  if (frame.right.empty()) return "the right image of the stereo camera is missing";
+  if (frame.right.size() != frame.image.size())
+    return "the right image is " + sizeText(frame.right.size()) + ", the left one " +
+           sizeText(frame.image.size());
+  return {};
+}
+
+types::StereoPair Perception::rectified(const types::Frame& frame) const {
+  return (*rectifier_)(frame.image, frame.right);
+}
+
+types::Features Perception::operator()(const types::StereoPair& pair) const {
+  types::Features features = describe(pair.left);
+  features.bearings.clear();  // pixels and ranges tell the points
+  const odometry::RowMatcher rows(pair, params_.max_disparity);
+  for (const auto& k : features.keypoints) {
+    const auto d = rows.disparity(k.x, k.y);
+    features.ranges.push_back(d ? types::rangeOf({k.x, k.y, *d}, stereo_->model) : 0.0f);
+  }
+  return features;
+}
+
+types::Features Perception::operator()(const cv::Mat& image) const { return describe(image); }
+
+types::Features Perception::describe(const cv::Mat& image) const {
   cv::Mat scaled = image;
   const cv::Size size = lifting_->imageMask().size();
   if (image.size() != size) cv::resize(image, scaled, size, 0, 0, cv::INTER_AREA);
@@ -88,6 +154,7 @@ types::Features Perception::operator()(const cv::Mat& image) const {
 }
 
 std::string Perception::cameraText() const {
+  if (stereo_) return stereoText_;
   if (calibrated_) return cameras::toText(*rig_);
   return "uncalibrated pinhole, fov_deg = " + std::to_string(params_.fov * (180.0 / 3.14159265358979323846)) +
          ", image_width = " + std::to_string(params_.image_width);

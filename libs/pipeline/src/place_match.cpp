@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/place_match.h"
 
+#include "engram/posegraph/graph.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -38,6 +40,23 @@ types::Features inPlaceFrame(types::Features view, const Eigen::Matrix3d& R_plac
   return view;
 }
 
+namespace {
+
+/// Takes over the matches that geometry confirms.
+void keepInliers(PlaceMatch& result, const memory::PlaceMemory& place,
+                 const std::vector<types::Match>& tentative, const std::vector<int>& inliers) {
+  result.tentative = static_cast<int>(tentative.size());
+  for (const int i : inliers) {
+    const types::Match& m = tentative[static_cast<std::size_t>(i)];
+    result.matches.push_back(m);
+    const auto stage = place.states[static_cast<std::size_t>(m.b)].stage;
+    result.longTermInliers += stage == memory::Stage::kLongTerm;
+  }
+  result.similarity = similarity(result.longTermInliers, static_cast<int>(place.longTerm().size()));
+}
+
+}  // namespace
+
 PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& place,
                         const features::MatchParams& match, const geometry::VerifyParams& verify) {
   const std::vector<types::Match> tentative = features::match(view, place.features, match);
@@ -46,17 +65,28 @@ PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& 
 
   PlaceMatch result;
   result.reason = v.reason;
-  result.tentative = static_cast<int>(tentative.size());
   const Eigen::Isometry3d T_place_view = v.T_a_b.T_a_b.inverse();
   result.R_place_view = T_place_view.linear();
   result.direction_place = T_place_view.translation();
-  for (const int i : v.inliers) {
-    const types::Match& m = tentative[static_cast<std::size_t>(i)];
-    result.matches.push_back(m);
-    const auto stage = place.states[static_cast<std::size_t>(m.b)].stage;
-    result.longTermInliers += stage == memory::Stage::kLongTerm;
-  }
-  result.similarity = similarity(result.longTermInliers, static_cast<int>(place.longTerm().size()));
+  keepInliers(result, place, tentative, v.inliers);
+  return result;
+}
+
+PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& place,
+                        const features::MatchParams& match, const geometry::StereoVerifyParams& verify,
+                        const StereoCamera& camera) {
+  const std::vector<types::Match> tentative = features::match(view, place.features, match);
+  const geometry::StereoVerification v =
+      geometry::verifyStereo(view, place.features, tentative, camera.model, verify);
+
+  PlaceMatch result;
+  result.reason = v.reason;
+  keepInliers(result, place, tentative, v.inliers);
+  if (!v.ok()) return result;
+  const types::RelPose T_place_robot = camera.ofRobot(posegraph::inverse(v.T_a_b));
+  result.T_place_robot = T_place_robot;
+  result.R_place_view = T_place_robot.T_a_b.linear();
+  result.direction_place = T_place_robot.T_a_b.translation().normalized();
   return result;
 }
 

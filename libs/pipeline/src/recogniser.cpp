@@ -20,10 +20,12 @@ belief::BeliefParams paramsFor(Recogniser::Mode mode, const PipelineParams& para
 
 }  // namespace
 
-Recogniser::Recogniser(const PipelineParams& params, Mode mode)
+Recogniser::Recogniser(const PipelineParams& params, Mode mode, std::optional<StereoCamera> stereo)
     : params_(params.recognise),
       matching_(params.match),
       verify_(params.verify),
+      stereoVerify_(params.stereo),
+      stereo_(std::move(stereo)),
       scorer_(makeScorer(params)),
       spacing_(params.place.spacing),
       filter_(paramsFor(mode, params), mode == Mode::kMapping) {
@@ -32,6 +34,7 @@ Recogniser::Recogniser(const PipelineParams& params, Mode mode)
 
 void Recogniser::load(const map::TopologicalMap& map) {
   for (const auto& [id, place] : map.places()) placeChanged(place);
+  scorer_->loaded();
   graphChanged(map);
   restart();
 }
@@ -92,8 +95,13 @@ std::vector<types::Hypothesis> Recogniser::recognise(const map::TopologicalMap& 
 const PlaceMatch& Recogniser::match(const map::TopologicalMap& map, const types::Features& view,
                                     base::PlaceId place) {
   const auto [at, isNew] = matches_.try_emplace(place);
-  if (isNew) at->second = matchToPlace(view, map.place(place).memory, matching_, verify_);
+  if (isNew) at->second = held(view, map.place(place).memory);
   return at->second;
+}
+
+PlaceMatch Recogniser::held(const types::Features& view, const memory::PlaceMemory& place) const {
+  return stereo_ ? matchToPlace(view, place, matching_, stereoVerify_, *stereo_)
+                 : matchToPlace(view, place, matching_, verify_);
 }
 
 /// F eq (8) with match() as F-06 has it, geometry included, for the places that descriptors put first.

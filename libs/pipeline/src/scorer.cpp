@@ -5,10 +5,12 @@
 #include "engram/base/parallel.h"
 #include "engram/features/place_matcher.h"
 #include "engram/pipeline/place_match.h"
+#include "engram/vocabulary/view_index.h"
 #include "engram/vocabulary/word_index.h"
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 namespace engram::pipeline {
 namespace {
@@ -101,9 +103,62 @@ class WordScorer : public Scorer {
   LtmMatchScorer matcher_;  // empty without `rescore`
 };
 
+/// K-14. Before loaded() only descriptors are collected: the tree is trained on all of them together.
+class TreeScorer : public Scorer {
+ public:
+  explicit TreeScorer(const PipelineParams& params)
+      : params_(params.tree), candidates_(params.views.candidates) {
+    if (!params.views.vocabulary.empty())
+      index_.emplace(vocabulary::VocabularyTree::load(params.views.vocabulary));
+  }
+
+  void placeChanged(std::size_t index, const map::Place& place) override {
+    const types::Features longTerm = longTermOf(place);
+    size_ = std::max(size_, index + 1);
+    if (index_) return enter(index, longTerm.descriptors);
+    waiting_.resize(size_);
+    waiting_[index] = longTerm.descriptors;
+  }
+
+  void loaded() override {
+    if (index_) return;
+    std::vector<const types::Descriptors*> images;
+    for (const auto& d : waiting_)
+      if (!d.empty()) images.push_back(&d);
+    if (images.empty()) return;
+    index_.emplace(vocabulary::VocabularyTree::train(images, params_));
+    for (std::size_t i = 0; i < waiting_.size(); ++i) enter(i, waiting_[i]);
+    waiting_.clear();
+  }
+
+  std::vector<double> scores(const types::Features& view) const override {
+    std::vector<double> result(size_, 0.0);
+    if (!index_) return result;
+    const auto votes = index_->query(index_->tree().wordsOf(view.descriptors), most());
+    for (const auto& vote : votes)
+      if (votes.front().score > 0) result[vote.view.value] = vote.score / votes.front().score;
+    return result;
+  }
+
+ private:
+  std::size_t most() const { return static_cast<std::size_t>(4 * candidates_); }
+  void enter(std::size_t index, const types::Descriptors& descriptors) {
+    const base::ViewId id(static_cast<std::uint32_t>(index));
+    index_->remove(id);
+    index_->add(id, index_->tree().wordsOf(descriptors));
+  }
+
+  vocabulary::TreeParams params_;
+  int candidates_;
+  std::size_t size_ = 0;
+  std::optional<vocabulary::ViewIndex> index_;  // its views are the places, by index
+  std::vector<types::Descriptors> waiting_;
+};
+
 }  // namespace
 
 std::unique_ptr<Scorer> makeScorer(const PipelineParams& params) {
+  if (params.recognise.scorer == "vocabulary_tree") return std::make_unique<TreeScorer>(params);
   if (params.recognise.scorer == "tfidf_incremental") return std::make_unique<WordScorer>(params);
   return std::make_unique<LtmMatchScorer>(params);
 }

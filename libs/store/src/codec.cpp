@@ -10,6 +10,9 @@ namespace {
 constexpr std::uint8_t kVersion = 1;       // of every kind of row
 constexpr std::uint8_t kStateVersion = 2;  // but of these
 constexpr std::uint8_t kPlaceVersion = 2;
+constexpr std::uint8_t kFeaturesVersion = 2;  // rows with features; 1 without ranges
+
+constexpr std::uint8_t kHasBearings = 1, kHasRanges = 2;  // of features
 
 void putPose(BlobWriter& out, const Eigen::Isometry3d& T) {
   for (int r = 0; r < 3; ++r)
@@ -63,9 +66,15 @@ void putFeatures(BlobWriter& out, const types::Features& f) {
   out.put(static_cast<std::uint8_t>(f.descriptors.kind()));
   out.varint(static_cast<std::uint64_t>(f.descriptors.dim()));
   out.raw(f.descriptors.bytes().data(), f.descriptors.bytes().size());
-  out.put(static_cast<std::uint8_t>(f.bearings.empty() ? 0 : 1));
+  out.put(static_cast<std::uint8_t>((f.bearings.empty() ? 0 : kHasBearings) |
+                                    (f.ranges.empty() ? 0 : kHasRanges)));
   for (int axis = 0; axis < 3; ++axis)
     putColumn(out, f.bearings, [axis](const Eigen::Vector3f& b) { return b[axis]; });
+  putColumn(out, f.ranges, [](float range) { return range; });
+}
+
+std::uint8_t featuresVersion(const types::Features& f) {
+  return f.ranges.empty() ? kVersion : kFeaturesVersion;
 }
 
 types::Features getFeatures(BlobReader& in, std::size_t n) {
@@ -86,9 +95,13 @@ types::Features getFeatures(BlobReader& in, std::size_t n) {
   in.require(n * f.descriptors.rowBytes());
   f.descriptors.resize(n);
   for (std::size_t i = 0; i < n; ++i) in.raw(f.descriptors.mutableRow(i), f.descriptors.rowBytes());
-  if (in.get<std::uint8_t>() != 0) f.bearings.resize(n);
+  const auto has = in.get<std::uint8_t>();
+  if (has > (kHasBearings | kHasRanges)) throw base::Error("its features have parts of an unknown kind");
+  if (has & kHasBearings) f.bearings.resize(n);
   for (int axis = 0; axis < 3; ++axis)
     getColumn<float>(in, f.bearings, [axis](Eigen::Vector3f& b, float v) { b[axis] = v; });
+  if (has & kHasRanges) f.ranges.resize(n);
+  getColumn<float>(in, f.ranges, [](float& range, float v) { range = v; });
   return f;
 }
 
@@ -183,7 +196,7 @@ map::Place decodePlace(std::span<const std::uint8_t> row, std::uint64_t id) {
 
 Blob encodeMemory(map::PlaceId id, const memory::PlaceMemory& m) {
   using memory::FeatureState;
-  BlobWriter out(RowKind::kMemory, kVersion);
+  BlobWriter out(RowKind::kMemory, featuresVersion(m.features));
   out.varint(m.states.size());
   out.put(m.updates);
   out.put(m.nextFeatureId);
@@ -201,7 +214,7 @@ Blob encodeMemory(map::PlaceId id, const memory::PlaceMemory& m) {
 
 memory::PlaceMemory decodeMemory(std::span<const std::uint8_t> row, std::uint64_t id) {
   using memory::FeatureState;
-  BlobReader in(row, RowKind::kMemory, kVersion, id);
+  BlobReader in(row, RowKind::kMemory, kFeaturesVersion, id);
   in.decompress();
   memory::PlaceMemory m;
   const std::size_t n =
@@ -226,7 +239,7 @@ memory::PlaceMemory decodeMemory(std::span<const std::uint8_t> row, std::uint64_
 }
 
 Blob encodeFeatures(const types::Features& features, std::uint64_t row) {
-  BlobWriter out(RowKind::kFeatures, kVersion);
+  BlobWriter out(RowKind::kFeatures, featuresVersion(features));
   out.varint(features.size());
   putFeatures(out, features);
   out.compress();
@@ -234,7 +247,7 @@ Blob encodeFeatures(const types::Features& features, std::uint64_t row) {
 }
 
 types::Features decodeFeatures(std::span<const std::uint8_t> row, std::uint64_t id) {
-  BlobReader in(row, RowKind::kFeatures, kVersion, id);
+  BlobReader in(row, RowKind::kFeatures, kFeaturesVersion, id);
   in.decompress();
   types::Features features = getFeatures(in, in.count(21));  // a keypoint takes so many bytes
   in.requireEnd();

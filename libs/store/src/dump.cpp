@@ -71,6 +71,7 @@ void dumpMemory(std::ostream& out, const memory::PlaceMemory& m) {
         << static_cast<int>(k.sign);
     if (!m.features.bearings.empty())
       out << " bearing " << numbers(m.features.bearings[i].transpose().eval());
+    if (!m.features.ranges.empty()) out << " range " << exact(m.features.ranges[i]);
     out << " descriptor " << hex(row.data(), row.size()) << '\n';
   }
 }

@@ -197,6 +197,7 @@ void MapFile::commit(const map::TopologicalMap& map, const map::MapChanges& chan
   Statement edge(database, "INSERT OR REPLACE INTO edges VALUES (?, ?)");
   for (const auto id : changes.edges) put(edge, id.value, encode(map.edge(id)));
   remove(database, changes);
+  if (changes.pathForgotten) database.execute("DELETE FROM path");
   Statement moved(database, "UPDATE path SET data = ?2 WHERE id = ?1");
   for (const std::size_t i : changes.movedPathPoints) put(moved, i, encode(content.path[i], i));
   Statement point(database, "INSERT INTO path VALUES (?, ?)");
@@ -218,6 +219,23 @@ void MapFile::commit(const map::TopologicalMap& map, const map::MapChanges& chan
   next.edges = content.edges.size();
   next.path = content.path.size();
   next.redetections = content.redetections;
+  writeState(database, next);
+  transaction.commit();
+  impl_->state = next;
+}
+
+void MapFile::forgetRecords(double before) {
+  if (!impl_->writable) throw base::Error("map '" + impl_->name + "' was opened for reading only");
+  Database& database = impl_->open();
+  Transaction transaction(database);
+  const std::string text = exact(before);
+  database.execute(("DELETE FROM records WHERE json_extract(json, '$.stamp') < " + text).c_str());
+  const auto left = static_cast<std::uint64_t>(database.number("SELECT COUNT(*) FROM records"));
+  MapState next = impl_->state;
+  if (left == next.records) return;
+  database.execute(("UPDATE records SET id = id - " + std::to_string(next.records - left)).c_str());
+  next.records = left;
+  ++next.commits;
   writeState(database, next);
   transaction.commit();
   impl_->state = next;

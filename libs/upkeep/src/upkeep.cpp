@@ -64,6 +64,8 @@ void UpkeepParams::describe(base::Params& p) {
         "a view that matches nothing in a full neighbourhood stays until the next one; false: as printed");
   p.add("touch_on_match", touch_on_match,
         "a view that is matched counts as new; false: age is that of the image");
+  p.add("keep_drives", keep_drives,
+        "earlier drives whose path and records of images stay in the map; 0: all of them", {0, 1e6});
 }
 
 Budget UpkeepParams::budget(int recognitionInliers) const {

@@ -25,6 +25,7 @@ struct MapChanges {
   std::vector<ViewId> removedViews;
   std::vector<EdgeId> removedEdges;
   std::vector<std::size_t> movedPathPoints;  ///< older ones that are tied to another place now
+  bool pathForgotten = false;  ///< older path points are gone: the others have new numbers and are all new
   std::size_t firstNewPathPoint = 0;         ///< path points from here on are new
   std::size_t pathSize = 0;                  ///< path points in all
   bool empty() const;
@@ -52,6 +53,8 @@ class TopologicalMap {
   EdgeId addEdge(Edge edge);
   void removeEdge(EdgeId id);
   void addPathPoint(const PathPoint& point);
+  /// Drops the path of all drives before this one; the map itself stays.
+  void forgetPath(int firstKeptSession);
   /// Takes a place out, with its memory, its views and its edges. Path points tied to it stay where they are
   /// in the map and are tied to `heir`, another place. What else the edges said is the caller's to keep: see
   /// upkeep.

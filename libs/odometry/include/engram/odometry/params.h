@@ -11,7 +11,7 @@ struct OdometryParams {
   int max_corners = 400;
   int corner_threshold = 8;
   int max_disparity = 128;
-  int track_window = 17;
+  int track_window = 16;
   int track_levels = 4;
   double max_error = 1.5;
   int min_inliers = 30;  ///< K-09

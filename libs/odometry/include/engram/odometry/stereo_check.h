@@ -38,6 +38,7 @@ struct StereoHealth {
   RowAgreement together;              ///< images of one frame
   RowAgreement swapped;               ///< the same, with negative disparities
   RowAgreement late, early;           ///< right images with the left ones of the frame before, after
+  int negative = 0;                   ///< of the matches `together`, with a negative disparity in any row
   double rowError = 0;                ///< median distance of the rows of images of one frame [px]
 
   bool ok() const { return fault == StereoFault::kNone; }

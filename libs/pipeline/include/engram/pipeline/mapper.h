@@ -6,6 +6,7 @@
 #include "engram/memory/place_memory.h"
 #include "engram/pipeline/closure_book.h"
 #include "engram/pipeline/dead_reckoning.h"
+#include "engram/pipeline/map_builder.h"
 #include "engram/pipeline/params.h"
 #include "engram/pipeline/pass_gate.h"
 #include "engram/pipeline/perception.h"
@@ -20,26 +21,19 @@
 
 namespace engram::pipeline {
 
-/// Builds or extends a map, image by image: the nine steps of the design, in process().
-class Mapper {
+/// Builds or extends a map of places: the nine steps of the design, in process().
+class Mapper final : public MapBuilder {
  public:
   /// @param map empty, or a map to extend: the robot then starts at an unknown place of it.
   /// Throws base::Error on a calibration that cannot be read, base::ConfigError on parameters out of range.
   Mapper(const PipelineParams& params, map::TopologicalMap map = {});
 
-  /// Learns from the next image. Throws base::Error when the first image contradicts the calibration.
-  types::FrameReport process(const types::Frame& frame);
-
-  /// To be called at the end of a drive: relaxes the whole graph once more.
-  void finish();
-
-  const map::TopologicalMap& map() const { return map_; }
-  /// For the store and for evaluation (surveyed poses).
-  map::TopologicalMap& map() { return map_; }
-  /// The number of this drive in the map, from 0.
-  int session() const { return session_; }
-  /// What the map must be opened with again.
-  map::MapHeader header() const { return perception_.mapHeader(params_.memory.memory); }
+  types::FrameReport process(const types::Frame& frame) override;
+  void finish() override;
+  const map::TopologicalMap& map() const override { return map_; }
+  map::TopologicalMap& map() override { return map_; }
+  int session() const override { return session_; }
+  map::MapHeader header() const override { return perception_.mapHeader(params_.memory.memory); }
 
  private:
   struct Work;

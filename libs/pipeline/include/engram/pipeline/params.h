@@ -6,10 +6,14 @@
 #include "engram/belief/bayes_filter.h"
 #include "engram/features/extractor.h"
 #include "engram/features/matching.h"
+#include "engram/geometry/stereo_verify.h"
 #include "engram/geometry/verify.h"
 #include "engram/memory/models.h"
+#include "engram/odometry/params.h"
 #include "engram/pipeline/perception.h"
 #include "engram/posegraph/relaxer.h"
+#include "engram/upkeep/upkeep.h"
+#include "engram/vocabulary/vocabulary_tree.h"
 #include "engram/vocabulary/word_dictionary.h"
 
 #include <string>
@@ -71,13 +75,41 @@ struct OdometryParams {
   void describe(base::Params& p);
 };
 
-/// The whole configuration of Mapper and Localizer.
+/// Section `[mapping]`.
+struct MappingParams {
+  std::string nodes = "places";  ///< what the nodes of the map are: see makeMapBuilder()
+
+  void describe(base::Params& p);
+};
+
+/// Section `[views]`: maps of stereo views (Konolige & Bowman 2009).
+struct ViewParams {
+  double min_interval = 0.5;   ///< [s] between two views of the map (K-20: 15 frames at 30 Hz)
+  int max_features = 300;      ///< of a view, the strongest whose range is known (K-38)
+  int candidates = 15;         ///< views that go to geometric verification (K-15)
+  std::string vocabulary;      ///< file of a vocabulary tree; empty: trained on the map's own views
+  int train_after = 60;        ///< views from which such a tree is trained; all views are matched till then
+  double retrain_growth = 4;   ///< it is trained anew when the map has so many times as many views
+  bool wheels = true;          ///< wheel odometry, where there is any, bridges what visual odometry cannot
+  double sigma_floor = 0.002;  ///< [m] and [rad]: no link is stiffer
+  double weak_sigma = 10;      ///< [m] of a weak link; 1 rad counts as 1 m (K-11)
+  double relax_sigma = 1;      ///< disagreement of a new link with the poses from which they are relaxed
+  double relax_all_sigma = 3;  ///< the same after its surroundings were relaxed, for the whole map
+
+  void describe(base::Params& p);
+};
+
+/// The whole configuration of the mappers and the Localizer.
 struct PipelineParams {
+  MappingParams mapping;
   CameraParams camera;
   features::ExtractorParams extractor;
   features::MatchParams match;
   vocabulary::WordParams words;
+  vocabulary::TreeParams tree;
   geometry::VerifyParams verify;
+  geometry::StereoVerifyParams stereo;
+  odometry::OdometryParams visual_odometry;
   SelectParams select;
   RecogniseParams recognise;
   belief::BeliefParams belief;
@@ -87,6 +119,8 @@ struct PipelineParams {
   memory::FshParams fsh;
   memory::MultiStoreParams multi_store;
   posegraph::RelaxerParams posegraph;
+  ViewParams views;
+  upkeep::UpkeepParams upkeep;
 
   /// Binds every struct to its section; this object must outlive `config`.
   void bind(base::Config& config);

@@ -6,11 +6,14 @@
 #include "engram/cameras/camera_rig.h"
 #include "engram/cameras/lifting_table.h"
 #include "engram/cameras/pinhole.h"
+#include "engram/cameras/rectifier.h"
 #include "engram/features/extractor.h"
 #include "engram/map/map_content.h"
 #include "engram/types/features.h"
 #include "engram/types/frame.h"
 #include "engram/types/frame_report.h"
+#include "engram/types/rel_pose.h"
+#include "engram/types/stereo.h"
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
@@ -26,12 +29,25 @@ struct CameraParams {
   std::string file;           ///< calibration file; empty: an uncalibrated pinhole with `fov`
   double fov = 1.0471975512;  ///< horizontal field of view of an uncalibrated camera [rad]
   int image_width = 0;        ///< images are scaled to this width before extraction [px]; 0 keeps them
+  bool stereo = false;        ///< both eyes of a stereo camera: features have ranges
+  int max_disparity = 128;    ///< stereo: largest disparity that is sought [px]
 
   void describe(base::Params& p);
 };
 
+/// A rectified stereo camera on the robot.
+struct StereoCamera {
+  types::StereoModel model;
+  Eigen::Isometry3d T_robot_cam = Eigen::Isometry3d::Identity();  ///< of the rectified left eye
+
+  /// A motion of the robot from one of the left eye.
+  types::RelPose ofRobot(const types::RelPose& T_eye_a_b) const;
+};
+
 /// Perceive: an image becomes features with quantised descriptors and unit bearings in the robot frame
-/// (x forward, y left, z up), so that the vertical is the same for every camera (F-09, F-11).
+/// (x forward, y left, z up), so that the vertical is the same for every camera (F-09, F-11). With
+/// `[camera] stereo` the features are those of the rectified left image, with ranges where the right eye sees
+/// them too, instead of bearings.
 class Perception {
  public:
   /// Throws base::Error when the calibration cannot be read.
@@ -46,8 +62,19 @@ class Perception {
 
   /// Why this image cannot be used, in words; empty when it can. Throws as look().
   std::string refusal(const cv::Mat& image);
+  /// The same for the images of a frame: both of them with a stereo camera.
+  std::string refusal(const types::Frame& frame);
   /// Features of an image that refusal() accepted.
   types::Features operator()(const cv::Mat& image) const;
+
+  /// The stereo camera; none without `[camera] stereo`.
+  const std::optional<StereoCamera>& stereo() const { return stereo_; }
+  /// The rectified images of a frame that refusal() accepted, of a stereo camera.
+  types::StereoPair rectified(const types::Frame& frame) const;
+  /// Where the rectified left image may be used.
+  const cv::Mat& rectifiedMask() const { return rectifier_->mask(); }
+  /// Features of rectified images, with ranges.
+  types::Features operator()(const types::StereoPair& pair) const;
 
   /// What a map made with this camera and extractor must be opened with again.
   map::MapHeader mapHeader(const std::string& memoryModel) const;
@@ -55,12 +82,17 @@ class Perception {
  private:
   std::string cameraText() const;
   void setRig(cameras::CameraRig rig);
+  void setStereoRig(const cameras::StereoRig& rig);
+  types::Features describe(const cv::Mat& image) const;
 
   CameraParams params_;
   std::unique_ptr<features::Extractor> extractor_;
   bool upright_;
   bool calibrated_;  // not by the approximation for an unknown camera
   std::optional<cameras::CameraRig> rig_;
+  std::optional<cameras::Rectifier> rectifier_;
+  std::optional<StereoCamera> stereo_;
+  std::string stereoText_;  // calibration of both eyes
   std::unique_ptr<cameras::LiftingTable> lifting_;
   Eigen::Matrix3f R_robot_cam_ = Eigen::Matrix3f::Identity();
   cv::Size expectedSize_;  // of the images as they come

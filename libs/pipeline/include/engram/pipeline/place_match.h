@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/features/matching.h"
+#include "engram/geometry/stereo_verify.h"
 #include "engram/geometry/verify.h"
 #include "engram/memory/place_memory.h"
 #include "engram/pipeline/params.h"
@@ -11,6 +12,7 @@
 
 #include <Eigen/Geometry>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,6 +27,7 @@ struct PlaceMatch {
   double similarity = 0.0;            ///< F eq (8) over verified long-term matches
   Eigen::Matrix3d R_place_view = Eigen::Matrix3d::Identity();
   Eigen::Vector3d direction_place = Eigen::Vector3d::Zero();  ///< unit vector to the view; zero: no parallax
+  std::optional<types::RelPose> T_place_robot;                ///< with scale; by stereo alone
   bool verified() const { return reason == geometry::Reason::kOk; }
 };
 
@@ -32,6 +35,12 @@ struct PlaceMatch {
 /// can be rehearsed (F-E3); the similarity counts long-term ones alone (F-02).
 PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& place,
                         const features::MatchParams& match, const geometry::VerifyParams& verify);
+
+/// The same by the 3D points that a stereo camera saw (K-08); rejects below StereoVerifyParams::min_inliers
+/// (K-09).
+PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& place,
+                        const features::MatchParams& match, const geometry::StereoVerifyParams& verify,
+                        const StereoCamera& camera);
 
 /// Whether a match suffices to say that the robot is there.
 bool strongEnough(const PlaceMatch& match, const RecogniseParams& params);

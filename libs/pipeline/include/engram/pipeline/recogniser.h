@@ -27,7 +27,8 @@ class Recogniser {
     kLocalisation,  ///< the robot is somewhere in the map
   };
 
-  Recogniser(const PipelineParams& params, Mode mode);
+  /// @param stereo the camera, when views are held against places by their 3D points
+  Recogniser(const PipelineParams& params, Mode mode, std::optional<StereoCamera> stereo = {});
 
   /// Takes over a whole map; the belief becomes uniform.
   void load(const map::TopologicalMap& map);
@@ -53,6 +54,8 @@ class Recogniser {
                                        const std::set<base::PlaceId>& excluded = {});
   /// The last view held against a place; worked out once.
   const PlaceMatch& match(const map::TopologicalMap& map, const types::Features& view, base::PlaceId place);
+  /// The same for a view of any time and any memory; not kept.
+  PlaceMatch held(const types::Features& view, const memory::PlaceMemory& place) const;
   /// The place that the last view resembles most, whatever was believed before; none when it resembles none.
   std::optional<types::Hypothesis> mostSimilar() const;
   /// Geometry alone has found the robot at this place: the belief follows.
@@ -82,6 +85,8 @@ class Recogniser {
   RecogniseParams params_;
   features::MatchParams matching_;
   geometry::VerifyParams verify_;
+  geometry::StereoVerifyParams stereoVerify_;
+  std::optional<StereoCamera> stereo_;
   std::unique_ptr<Scorer> scorer_;
   double spacing_;  // mean distance of neighbouring places [m]
   belief::BayesFilter filter_;

@@ -21,6 +21,9 @@ class Scorer {
   /// A place was added (its index is then the number of places so far), or its memory has changed.
   virtual void placeChanged(std::size_t index, const map::Place& place) = 0;
 
+  /// All places of a map that was read are here now.
+  virtual void loaded() {}
+
   /// One score in [0, 1] for each place, by index. The result does not depend on the number of threads.
   virtual std::vector<double> scores(const types::Features& view) const = 0;
 };
@@ -31,7 +34,9 @@ class Scorer {
 ///   possible vote. The words of a place are those of its long-term features. The dictionary is no part of a
 ///   map file: it is made from the places in the order of their ids, so equal maps give equal answers. With
 ///   `rescore` > 0 that many places, those with the most votes, get the score of `ltm_match`, and all others
-///   the smallest of these.
+///   the smallest of these;
+/// - `vocabulary_tree`: votes of the words of a vocabulary tree (K-14), over the largest vote for this view.
+///   The tree is read from `[views] vocabulary`, or trained on the places when all are loaded.
 std::unique_ptr<Scorer> makeScorer(const PipelineParams& params);
 
 }  // namespace engram::pipeline

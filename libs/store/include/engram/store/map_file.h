@@ -44,6 +44,9 @@ class MapFile {
   void commit(const map::TopologicalMap& map, const map::MapChanges& changes,
               const types::FrameReport* report = nullptr);
 
+  /// Drops the records of all images that were taken before this time [s].
+  void forgetRecords(double before);
+
   /// The records of all images, in the order of the commits.
   std::vector<types::FrameReport> records() const;
 

@@ -32,6 +32,7 @@ struct UpkeepParams {
   int view_features = 300;
   bool probation = true;
   bool touch_on_match = false;
+  int keep_drives = 0;
 
   void describe(base::Params& p);
   /// The paper gives no tau. Ours asks what place recognition asks (K-E6): m / m_e - 1 with the usual number

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/features/place_matcher.h"
+#include "engram/map/topological_map.h"
+#include "engram/pipeline/params.h"
+#include "engram/types/features.h"
+#include "engram/vocabulary/view_index.h"
+
+#include <cstddef>
+#include <future>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace engram::pipeline {
+
+/// Which views of a map look like an image: by a vocabulary tree (K-14), and by matching with every view as
+/// long as there is none. Without a file a tree is trained on the map's own views, in the background. It is
+/// taken into use at a number of views that does not depend on how long that took: equal drives give equal
+/// maps.
+class ViewSearch {
+ public:
+  /// Throws base::Error for a vocabulary file that cannot be used.
+  explicit ViewSearch(const PipelineParams& params);
+
+  void load(const map::TopologicalMap& map);
+  /// A view that the map has taken up.
+  void add(const map::TopologicalMap& map, base::PlaceId view);
+  void remove(base::PlaceId view);
+
+  struct Found {
+    base::PlaceId view;
+    double score = 0;  ///< of the words, or matches by descriptor
+  };
+  /// The views that look most like an image, best first; at most `candidates`.
+  std::vector<Found> find(const types::Features& image) const;
+
+  /// Whether a vocabulary tree is in use.
+  bool hasTree() const { return index_.has_value(); }
+
+ private:
+  void startTraining(const map::TopologicalMap& map);
+  void takeTree(const map::TopologicalMap& map);
+
+  ViewParams params_;
+  vocabulary::TreeParams treeParams_;
+  features::MatchParams match_;
+  int threads_;
+
+  std::optional<vocabulary::ViewIndex> index_;  // its views have the numbers of the places
+  features::PlaceMatcher matcher_;              // while there is no index
+  std::vector<base::PlaceId> slots_;            // of the matcher
+  std::map<base::PlaceId, std::size_t> slotOf_;
+
+  std::future<vocabulary::VocabularyTree> training_;
+  std::size_t takeAt_ = 0;   // views to come until the tree in training is taken into use
+  std::size_t trainAt_ = 0;  // size of the map at which the next is trained; 0: never
+};
+
+}  // namespace engram::pipeline
