@@ -120,6 +120,12 @@ TEST(RunView, ShowsARunOnAVirtualScreen) {
     report.index = 7;
     report.outcome = types::Outcome::kSkipped;
     later = showUntil([&](const cv::Mat& saved) { return !saved.empty() && !same(saved, panel); });
+    report.index = 8;
+    report.outcome = types::Outcome::kNewPlace;
+    report.place = base::PlaceId(77);  // upkeep has taken it out again
+    const cv::Mat gone =
+        showUntil([&](const cv::Mat& saved) { return !saved.empty() && !same(saved, later); });
+    EXPECT_EQ(gone.at<cv::Vec3b>(10, 320), cv::Vec3b(190, 120, 30));  // new place
     EXPECT_FALSE(view.closed());
   }
   fs::remove(picture);

@@ -127,6 +127,8 @@ void writeWrapped(cv::Mat& panel, const std::string& text, cv::Point at, int wid
 /// The place that is shown, and what speaks for it.
 std::string evidence(const PanelContent& content) {
   const auto& report = content.report;
+  if (report.outcome == Outcome::kNewPlace)
+    return "place " + std::to_string(report.place.value) + " begins with these features";
   if (report.place.valid()) {
     const auto matched = std::count_if(content.marks.begin(), content.marks.end(),
                                        [](const Mark& m) { return m.kind != Mark::Kind::kUnknown; });

@@ -9,6 +9,11 @@ namespace {
 
 constexpr std::size_t kPathShown = 400;  // points
 
+/// Upkeep may take a place out again with the image that made it.
+bool isThere(base::PlaceId place, const map::TopologicalMap& map) {
+  return place.valid() && map.places().count(place) > 0;
+}
+
 MapSketch sketch(const map::TopologicalMap& map, const types::FrameReport& report) {
   MapSketch s;
   const auto at = [](const Eigen::Isometry3d& T) -> Eigen::Vector3f { return T.translation().cast<float>(); };
@@ -23,7 +28,7 @@ MapSketch sketch(const map::TopologicalMap& map, const types::FrameReport& repor
     s.path.push_back(at(map.T_map_robot(path[i])));
   if (!path.empty() && path.back().stamp == report.stamp)
     s.robot = s.path.back();
-  else if (report.place.valid())  // while localising no path grows
+  else if (isThere(report.place, map))  // while localising no path grows
     s.robot = at(map.place(report.place).T_map_place);
   return s;
 }
@@ -37,7 +42,7 @@ Snapshot Snapper::take(const types::Frame& frame, const types::FrameReport& repo
   s.report = report;
   s.state = state;
   s.map = sketch(map, report);
-  if (report.place.valid()) s.memory = map.place(report.place).memory;
+  if (isThere(report.place, map)) s.memory = map.place(report.place).memory;
   const base::PlaceId shown = report.place.valid() ? report.place : report.bestGuess;
   if (const auto* jpeg = thumbnailOf(shown, map)) s.matchedJpeg = *jpeg;
   return s;
