@@ -177,21 +177,20 @@ std::string ViewsWorld::trainVocabulary() const {
   return file;
 }
 
-LifelongRun ViewsWorld::live(const std::string& rule, int sessions, const std::string& vocabulary,
-                             bool locate) const {
+LifelongRun ViewsWorld::live(const std::string& name, const std::string& rule, int sessions,
+                             const std::string& vocabulary) const {
   pipeline::PipelineParams params = lifelongEye_.pipeline;
   params.views.vocabulary = vocabulary;
   params.upkeep.upkeep = rule == "none" ? "none" : "lru_views";
   if (rule != "none") params.upkeep.max_views = std::stoi(rule);
   LifelongRun run{rule, {}, {}, 0};
-  ViewMapping mapping(params, fileOf("maps/lifelong_" + rule + ".engram"), params_.false_distance,
+  ViewMapping mapping(params, fileOf("maps/" + name + ".engram"), params_.false_distance,
                       params_.false_angle);
   for (int k = 0; k < sessions; ++k) {
     const ShownDrive shown{&lifelongDrives_[static_cast<std::size_t>(k)], 0, 1, params_.wheels, {}};
-    const bool ask = locate && k > 0;
     run.located.push_back(
-        ask ? locateEach(mapping.map(), shown, params, params_.locate_every, params_.right_within)
-            : LocatedShare{});
+        k > 0 ? locateEach(mapping.map(), shown, params, params_.locate_every, params_.right_within)
+              : LocatedShare{});
     run.sessions.push_back(mapping.add(shown));
   }
   run.ate = mapping.ate();
@@ -227,9 +226,11 @@ ViewsResult ViewsWorld::run() {
   result.kappas.resize(kappas.size());
   const std::string vocabulary = trainVocabulary();
   std::vector<std::function<void()>> jobs;  // the longest first
-  jobs.emplace_back([&] { result.lifelong[0] = live("none", params_.sessions, vocabulary, true); });
+  jobs.emplace_back(
+      [&] { result.lifelong[0] = live("lifelong_none", "none", params_.sessions, vocabulary); });
   jobs.emplace_back([&] {
-    result.lifelong[1] = live(std::to_string(params_.lifelong_views), params_.sessions, vocabulary, true);
+    result.lifelong[1] =
+        live("lifelong_lru", std::to_string(params_.lifelong_views), params_.sessions, vocabulary);
   });
   jobs.emplace_back([&] { result.repair = repair(); });
   for (std::size_t k = 0; k < result.orders.size(); ++k)
@@ -240,8 +241,9 @@ ViewsResult ViewsWorld::run() {
       result.orders[k] = mapInOrder(order, "order_" + std::to_string(k));
     });
   for (std::size_t k = 0; k < kappas.size(); ++k)
-    jobs.emplace_back(
-        [&, k] { result.kappas[k] = live(kappas[k], params_.kappa_sessions, vocabulary, true); });
+    jobs.emplace_back([&, k] {
+      result.kappas[k] = live("kappa_" + kappas[k], kappas[k], params_.kappa_sessions, vocabulary);
+    });
   jobs.emplace_back([&] { result.offsets = offsets(); });
   jobs.emplace_back([&] { result.spots = spots(); });
 

@@ -114,7 +114,9 @@ class ViewsWorld {
 
   OrderedRun mapInOrder(const std::vector<int>& order, const std::string& name) const;
   RepairRun repair() const;
-  LifelongRun live(const std::string& rule, int sessions, const std::string& vocabulary, bool locate) const;
+  /// @param name of the map file
+  LifelongRun live(const std::string& name, const std::string& rule, int sessions,
+                   const std::string& vocabulary) const;
   std::string trainVocabulary() const;
   std::vector<OffsetCell> offsets() const;
   std::vector<SpotRun> spots() const;

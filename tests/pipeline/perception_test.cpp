@@ -37,7 +37,7 @@ TEST(Perception, LaterImageOfAnotherSizeIsRefusedInWords) {
   EXPECT_THAT(perception.refusal(picture()), IsEmpty());
   EXPECT_THAT(perception.refusal(cv::Mat(600, 800, CV_8UC3)),
               AllOf(HasSubstr("800x600"), HasSubstr("640x480")));
-  EXPECT_THAT(perception.refusal({}), HasSubstr("empty"));
+  EXPECT_THAT(perception.refusal(cv::Mat{}), HasSubstr("empty"));
   EXPECT_THAT(perception.refusal(picture()), IsEmpty());
 }
 
