@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace engram::apps {
 namespace {
@@ -20,6 +19,7 @@ constexpr std::size_t kFewestViews = 5;
 constexpr double kOutlierFactor = 2.5;  // times the median rms of the views
 constexpr double kNeverOutlier = 0.3;   // [px]
 constexpr int kRounds = 4;
+constexpr double kApart = 5;  // times the median distance from the median pose of the right eye
 
 /// One solution over some of the views.
 struct Fit {
@@ -119,6 +119,40 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+/// Indices of the pairs of one moment: each pair alone tells where the right eye is, by the board in both
+/// eyes. One of different moments would bend the whole fit.
+std::vector<std::size_t> simultaneous(const std::vector<BoardPair>& views, cv::Size size,
+                                      const CalibrationOptions& options) {
+  const std::vector<std::vector<cv::Point3f>> objects(views.size(), boardPoints(options));
+  std::vector<cv::Mat> rotations[2], translations[2];
+  for (int eye : {0, 1}) {
+    std::vector<std::vector<cv::Point2f>> corners;
+    for (const auto& view : views) corners.push_back(eye == 0 ? view.left : view.right);
+    cv::Mat K, D;
+    cv::calibrateCamera(objects, corners, size, K, D, rotations[eye], translations[eye]);
+  }
+  std::vector<cv::Vec3d> offsets;  // of the right eye, for each pair
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    cv::Mat left, right;
+    cv::Rodrigues(rotations[0][i], left);
+    cv::Rodrigues(rotations[1][i], right);
+    offsets.emplace_back(cv::Mat(translations[1][i] - right * left.t() * translations[0][i]));
+  }
+  cv::Vec3d middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const auto& offset : offsets) values.push_back(offset[axis]);
+    middle[axis] = median(values);
+  }
+  std::vector<double> distances;
+  for (const auto& offset : offsets) distances.push_back(cv::norm(offset - middle));
+  const double limit = std::max(options.square, kApart * median(distances));
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (distances[i] <= limit) kept.push_back(i);
+  return kept;
+}
+
 }  // namespace
 
 std::optional<BoardPair> findBoards(const cv::Mat& left, const cv::Mat& right, cv::Size inner,
@@ -137,8 +171,12 @@ StereoCalibrationResult calibrateStereo(const std::vector<BoardPair>& views, cv:
     throw base::Error("the board was found by both eyes in " + std::to_string(views.size()) +
                       " pairs of images; at least " + std::to_string(kFewestViews) +
                       " are needed, 15 and more are good");
-  std::vector<std::size_t> wanted(views.size());
-  std::iota(wanted.begin(), wanted.end(), std::size_t{0});
+  std::vector<std::size_t> wanted = simultaneous(views, size, options);
+  if (wanted.size() < kFewestViews)
+    throw base::Error(
+        "only " + std::to_string(wanted.size()) + " of " + std::to_string(views.size()) +
+        " pairs agree on where the right eye is; were both images of each pair taken at once, and "
+        "is --board right?");
   StereoCalibrationResult result;
   for (int round = 0; round < kRounds; ++round) {
     std::vector<const BoardPair*> used;
