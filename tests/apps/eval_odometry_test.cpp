@@ -80,6 +80,7 @@ class EvalOdometry : public testing::Test {
                      const std::vector<Shown>& shown = seen()) const {
     sources::RawlogWriterParams params;
     params.stereo = rig;
+    params.jpeg_quality = 100;
     sources::RawlogWriter writer(path(name), params);
     for (int i = 0; i < static_cast<int>(shown.size()); ++i) {
       types::StereoPair pair = shown[static_cast<std::size_t>(i)].raw;
