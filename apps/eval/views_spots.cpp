@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <functional>
+#include <memory>
 
 namespace engram::apps {
 namespace {
@@ -23,7 +24,8 @@ class Spot {
  public:
   Spot(const world::World& world, const Appearance& appearance, const world::Eyes& eyes,
        const pipeline::PipelineParams& params)
-      : scene_(world.building(), appearance, world.library(), 1),
+      : appearance_(std::make_unique<Appearance>(appearance)),
+        scene_(world.building(), *appearance_, world.library(), 1),
         eyes_(eyes),
         left_(eyes.left, world.params().sensor),
         right_(*eyes.right, world.params().sensor),
@@ -42,6 +44,7 @@ class Spot {
   const pipeline::StereoCamera& camera() const { return *perception_.stereo(); }
 
  private:
+  std::unique_ptr<const Appearance> appearance_;  // the scene refers to it
   world::Scene scene_;
   world::Eyes eyes_;
   world::Renderer left_, right_;
