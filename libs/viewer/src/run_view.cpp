@@ -164,7 +164,11 @@ class RunView::Impl {
 
   /// In the thread of the window, some ten times a second.
   void tick(mrpt::gui::CDisplayWindowGUI& window) {
-    if (leaving_) return nanogui::leave();
+    if (leaving_) {
+      // Not nanogui::leave(): it ends the thread that wakes the loop, which may be about to sleep for ever.
+      window.setVisible(false);
+      return;
+    }
     std::optional<Snapshot> snapshot;
     {
       const std::lock_guard lock(mutex_);
