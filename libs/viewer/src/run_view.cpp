@@ -10,6 +10,7 @@
 #include <mrpt/gui/CDisplayWindowGUI.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include <GLFW/glfw3.h>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -49,6 +50,7 @@ class RunView::Impl {
 
   ~Impl() {
     leaving_ = true;
+    wakeUntilItEnds();
     if (thread_.joinable()) thread_.join();
   }
 
@@ -79,6 +81,18 @@ class RunView::Impl {
   bool closed() const { return closed_; }
 
  private:
+  /// The loop of nanogui now and then loses the event that would end its sleep.
+  void wakeUntilItEnds() {
+    while (true) {
+      {
+        const std::lock_guard lock(mutex_);
+        if (!looping_) return;
+        glfwPostEmptyEvent();
+      }
+      std::this_thread::sleep_for(20ms);
+    }
+  }
+
   void run() {
     try {
       nanogui::init();
@@ -87,14 +101,17 @@ class RunView::Impl {
         fill(window);
         {
           const std::lock_guard lock(mutex_);
-          started_ = true;
+          started_ = looping_ = true;
         }
         changed_.notify_all();
         nanogui::mainloop(kIdleMs, kIdleMs);
+        const std::lock_guard lock(mutex_);
+        looping_ = false;
       }
       nanogui::shutdown();
     } catch (const std::exception& e) {
       const std::lock_guard lock(mutex_);
+      looping_ = false;
       failure_ = std::string(e.what()) + " (DISPLAY is '" +
                  (std::getenv("DISPLAY") ? std::getenv("DISPLAY") : "") +
                  "'); without a screen: xvfb-run -a COMMAND";
@@ -164,11 +181,7 @@ class RunView::Impl {
 
   /// In the thread of the window, some ten times a second.
   void tick(mrpt::gui::CDisplayWindowGUI& window) {
-    if (leaving_) {
-      // Not nanogui::leave(): it ends the thread that wakes the loop, which may be about to sleep for ever.
-      window.setVisible(false);
-      return;
-    }
+    if (leaving_) return nanogui::leave();
     std::optional<Snapshot> snapshot;
     {
       const std::lock_guard lock(mutex_);
@@ -222,7 +235,7 @@ class RunView::Impl {
   std::atomic<bool> wanted_{true}, paused_{false}, closed_{false}, leaving_{false};
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  bool started_ = false, step_ = false, save_ = false;  // under mutex_, as those below
+  bool started_ = false, looping_ = false, step_ = false, save_ = false;  // under mutex_, as those below
   std::string failure_;
   std::optional<Snapshot> pending_;
   cv::Mat panel_;
