@@ -51,7 +51,6 @@ std::string LocalizeFigures::label(base::PlaceId place) const {
 void LocalizeFigures::add(const types::FrameReport& report) {
   evaluation::LocalisationResult result;
   result.accepted = report.outcome == types::Outcome::kRecognised;
-  result.milliseconds = report.milliseconds;
   Judgement guess;
   if (truth_) {
     result.answerable = truth_->answerable(report);
@@ -64,7 +63,8 @@ void LocalizeFigures::add(const types::FrameReport& report) {
     result.bestGuess = guess.verdict;
     result.error = guess.error;
   }
-  results_.push_back(result);
+  if (truth_) results_.push_back(result);
+  milliseconds_.add(report.milliseconds);
   accepted_ += result.accepted;
   learnt_ += report.learnt.size();
   if (!keepCsv_) return;
@@ -96,7 +96,7 @@ nlohmann::json LocalizeFigures::toJson() const {
                       {"queries", truth_ ? s.queries : images()},
                       {"accepted", truth_ ? s.accepted : accepted_},
                       {"adapted", learnt_},
-                      {"ms_per_image", spread(s.milliseconds)},
+                      {"ms_per_image", spread(milliseconds_.summary())},
                       {"peak_rss_bytes", peakResidentBytes()}};
   for (const char* key :
        {"answerable", "right", "wrong", "best_guess_right", "within_1_25_places", "error_places"})
@@ -124,8 +124,9 @@ void LocalizeFigures::print(std::ostream& out) const {
     if (truth_->hasPoses()) out << "; within " << kRightPlaces << " places " << withinF26();
     out << "\n";
   }
-  out << std::fixed << std::setprecision(1) << "  " << s.milliseconds.mean
-      << " ms per image (95 %: " << s.milliseconds.p95 << ", max: " << s.milliseconds.max << ")\n";
+  const evaluation::Percentiles ms = milliseconds_.summary();
+  out << std::fixed << std::setprecision(1) << "  " << ms.mean << " ms per image (95 %: " << ms.p95
+      << ", max: " << ms.max << ")\n";
 }
 
 }  // namespace engram::apps

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/apps/map_truth.h"
+#include "engram/evaluation/running_percentiles.h"
 #include "engram/evaluation/score.h"
 #include "engram/map/topological_map.h"
 #include "engram/types/frame_report.h"
@@ -15,17 +16,18 @@
 
 namespace engram::apps {
 
-/// The answers of a localisation run, held against the truth where there is one.
+/// The answers of a localisation run, held against the truth where there is one. Without truth and lines for
+/// csv() its memory does not grow: a live run may last for weeks.
 class LocalizeFigures {
  public:
-  /// @param keepCsv false keeps no lines for csv(): a live run may last for days
+  /// @param keepCsv false keeps no lines for csv()
   LocalizeFigures(const map::TopologicalMap& map, const MapTruth* truth, bool keepCsv = true)
       : map_(map), truth_(truth), keepCsv_(keepCsv) {}
 
   void add(const types::FrameReport& report);
   /// Places that learnt after the last image.
   void addLearnt(std::size_t places) { learnt_ += places; }
-  int images() const { return static_cast<int>(results_.size()); }
+  int images() const { return milliseconds_.count(); }
 
   /// One line an image: index, stamp, label, outcome, place and best guess with the images that made them,
   /// posterior, similarity, inliers, verdicts, error [places], time [ms].
@@ -45,7 +47,8 @@ class LocalizeFigures {
   const map::TopologicalMap& map_;
   const MapTruth* truth_;
   bool keepCsv_;
-  std::vector<evaluation::LocalisationResult> results_;
+  std::vector<evaluation::LocalisationResult> results_;  // none without truth
+  evaluation::RunningPercentiles milliseconds_;
   int accepted_ = 0;
   std::size_t learnt_ = 0;
   std::string csv_ = csvHeader();

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slam_figures.h"
 
-#include "engram/evaluation/score.h"
-
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -14,7 +12,7 @@ namespace engram::apps {
 
 void SlamFigures::add(const types::FrameReport& report, const map::TopologicalMap& map,
                       const MapTruth* truth) {
-  milliseconds_.push_back(report.milliseconds);
+  milliseconds_.add(report.milliseconds);
   recognised_ += report.outcome == types::Outcome::kRecognised;
   made_ += report.outcome == types::Outcome::kNewPlace;
   refused_ += report.outcome == types::Outcome::kRefused;
@@ -41,7 +39,7 @@ nlohmann::json SlamFigures::toJson(const map::TopologicalMap& map, std::uint64_t
                         {"place_label", c.placeLabel},
                         {"right", right}});
   }
-  const evaluation::Percentiles ms = evaluation::percentiles(milliseconds_);
+  const evaluation::Percentiles ms = milliseconds_.summary();
   const auto places = map.places().size();
   return {{"images", images()},
           {"keyframes", recognised_ + made_ + refused_},
@@ -64,7 +62,7 @@ nlohmann::json SlamFigures::toJson(const map::TopologicalMap& map, std::uint64_t
 
 void SlamFigures::print(std::ostream& out, const map::TopologicalMap& map, const std::string& path,
                         std::uint64_t mapBytes) const {
-  const evaluation::Percentiles ms = evaluation::percentiles(milliseconds_);
+  const evaluation::Percentiles ms = milliseconds_.summary();
   const auto isFalse = [](const Closure& c) { return c.verdict == evaluation::Verdict::kWrong; };
   out << path << ": " << map.places().size() << " places, " << map.views().size() << " views, "
       << map.edges().size() << " edges, " << (mapBytes + 512) / 1024 << " KiB\n"

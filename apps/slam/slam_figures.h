@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/apps/map_truth.h"
+#include "engram/evaluation/running_percentiles.h"
 #include "engram/map/topological_map.h"
 #include "engram/types/frame_report.h"
 
@@ -23,7 +24,7 @@ class SlamFigures {
   void add(const types::FrameReport& report, const map::TopologicalMap& map, const MapTruth* truth);
   void setTrajectoryError(std::optional<double> ate) { ate_ = ate; }
 
-  int images() const { return static_cast<int>(milliseconds_.size()); }
+  int images() const { return milliseconds_.count(); }
 
   /// Keys: images, keyframes, unusable, refused, places, views, edges, closures, false_closures (null without
   /// truth), closure_list [{index, label, place, place_label, right}], ate_m (null without TUM truth),
@@ -41,7 +42,7 @@ class SlamFigures {
     evaluation::Verdict verdict = evaluation::Verdict::kUnknown;
   };
 
-  std::vector<double> milliseconds_;
+  evaluation::RunningPercentiles milliseconds_;
   std::vector<Closure> closures_;
   int recognised_ = 0, made_ = 0, refused_ = 0, unusable_ = 0;
   bool hasTruth_ = false;

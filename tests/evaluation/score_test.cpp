@@ -11,19 +11,18 @@
 namespace engram::evaluation {
 namespace {
 
-LocalisationResult result(bool accepted, Verdict verdict, Verdict bestGuess, double ms = 1) {
+LocalisationResult result(bool accepted, Verdict verdict, Verdict bestGuess) {
   LocalisationResult r;
   r.accepted = accepted;
   r.verdict = verdict;
   r.bestGuess = bestGuess;
-  r.milliseconds = ms;
   return r;
 }
 
 TEST(Score, CountsWhatItSays) {
   const auto R = Verdict::kRight, W = Verdict::kWrong, U = Verdict::kUnknown;
   std::vector<LocalisationResult> results{result(true, R, R),  result(true, R, R),  result(true, W, W),
-                                          result(false, U, R), result(false, U, W), result(true, U, U, 9),
+                                          result(false, U, R), result(false, U, W), result(true, U, U),
                                           result(false, U, U)};
   results[0].error = 0.5;
   results[2].error = 4.5;
@@ -41,8 +40,6 @@ TEST(Score, CountsWhatItSays) {
   EXPECT_NEAR(s.recall(), 0.5, 1e-12);
   EXPECT_EQ(s.error.count, 2);
   EXPECT_NEAR(s.error.mean, 2.5, 1e-12);
-  EXPECT_EQ(s.milliseconds.count, 7);
-  EXPECT_EQ(s.milliseconds.max, 9);
 }
 
 TEST(Score, OfNothingIsZero) {
@@ -50,7 +47,6 @@ TEST(Score, OfNothingIsZero) {
   EXPECT_EQ(s.images, 0);
   EXPECT_EQ(s.precision(), 0);
   EXPECT_EQ(s.recall(), 0);
-  EXPECT_EQ(s.milliseconds.p95, 0);
 }
 
 TEST(Percentiles, AreTheNearestRank) {

@@ -4,7 +4,6 @@
 
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
-#include "engram/evaluation/score.h"
 
 #include <nlohmann/json.hpp>
 
@@ -121,7 +120,7 @@ void RunInput::annotate(types::FrameReport& report) {
   state.incomplete = stats.grab.incomplete();
   state.missed = stats.grab.missed();
   state.dropped = stats.queue.dropped;
-  latencies_.push_back(state.latency);
+  latencies_.add(state.latency);
 }
 
 std::string RunInput::problem() const { return offline_ ? offline_->problem() : live_->problem(); }
@@ -135,7 +134,7 @@ ExitCode RunInput::exitCode() const {
 nlohmann::json RunInput::figures() const {
   if (!live_) return nullptr;
   const capture::LiveStats stats = live_->stats();
-  const evaluation::Percentiles ms = evaluation::percentiles(latencies_);
+  const evaluation::Percentiles ms = latencies_.summary();
   return {{"latency_ms", {{"mean", ms.mean}, {"median", ms.median}, {"p95", ms.p95}, {"max", ms.max}}},
           {"captured", stats.queue.pushed},
           {"dropped", stats.queue.dropped},
@@ -150,7 +149,7 @@ nlohmann::json RunInput::figures() const {
 
 std::string RunInput::summary() const {
   if (!live_) return {};
-  const evaluation::Percentiles ms = evaluation::percentiles(latencies_);
+  const evaluation::Percentiles ms = latencies_.summary();
   std::ostringstream text;
   text << std::fixed << std::setprecision(1) << "  " << ms.mean
        << " ms from exposure to belief (95 %: " << ms.p95 << ", max: " << ms.max << ")\n";

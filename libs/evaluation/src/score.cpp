@@ -27,10 +27,9 @@ Percentiles percentiles(std::vector<double> values) {
 
 LocalisationScore score(const std::vector<LocalisationResult>& results) {
   LocalisationScore out;
-  std::vector<double> errors, times;
+  std::vector<double> errors;
   for (const auto& result : results) {
     ++out.images;
-    times.push_back(result.milliseconds);
     const bool acceptedHasTruth = result.accepted && result.verdict != Verdict::kUnknown;
     if (!acceptedHasTruth && result.bestGuess == Verdict::kUnknown) continue;
     ++out.queries;
@@ -42,7 +41,6 @@ LocalisationScore score(const std::vector<LocalisationResult>& results) {
     ++(result.verdict == Verdict::kRight ? out.right : out.wrong);
   }
   out.error = percentiles(std::move(errors));
-  out.milliseconds = percentiles(std::move(times));
   return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include "engram/apps/run_config.h"
 #include "engram/capture/live_source.h"
+#include "engram/evaluation/running_percentiles.h"
 #include "engram/sources/rawlog_source.h"
 #include "engram/sources/rawlog_writer.h"
 #include "engram/types/frame.h"
@@ -16,7 +17,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace engram::apps {
 
@@ -68,7 +68,7 @@ class RunInput {
   std::chrono::steady_clock::time_point lastFlush_;
   std::optional<double> firstStamp_;
   std::chrono::steady_clock::time_point begun_;  // when the first image was there
-  std::vector<double> latencies_;                // [ms]
+  evaluation::RunningPercentiles latencies_;     // [ms]
   std::ostream* notices_ = nullptr;
 };
 

@@ -24,11 +24,9 @@ struct LocalisationResult {
   Verdict verdict = Verdict::kUnknown;    ///< of the place accepted; not looked at when none was
   Verdict bestGuess = Verdict::kUnknown;  ///< of the maximum of the posterior, accepted or not
   std::optional<double> error;  ///< of the best guess, in the unit of the caller (places, frames, metres)
-  double milliseconds = 0;
 };
 
-/// The figures of a localisation run. Queries that the truth says nothing about count in `images` and times
-/// only.
+/// The figures of a localisation run. Queries that the truth says nothing about count in `images` only.
 struct LocalisationScore {
   int images = 0;
   int queries = 0;           ///< with truth
@@ -37,7 +35,6 @@ struct LocalisationScore {
   int right = 0, wrong = 0;  ///< of the accepted
   int bestGuessRight = 0;    ///< of the queries, by the maximum of the posterior
   Percentiles error;         ///< of the best guesses that have one
-  Percentiles milliseconds;
 
   double precision() const { return accepted > 0 ? static_cast<double>(right) / accepted : 0.0; }
   double recall() const { return answerable > 0 ? static_cast<double>(right) / answerable : 0.0; }
