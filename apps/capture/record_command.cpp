@@ -4,6 +4,7 @@
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
+#include "engram/base/text.h"
 #include "engram/capture/gige_grabber.h"
 #include "engram/capture/live_source.h"
 #include "engram/capture/recorder.h"
@@ -227,14 +228,14 @@ int RecordCommand::conclude(Session& session, std::ostream& out, std::ostream& e
   if (safe == 0) return kError;
 
   for (const auto& file : session.recorder.files())
-    out << file.path << ": " << file.frames << " images, " << file.bytes / 1000 << " KB\n";
+    out << file.path << ": " << base::counted(file.frames, "image") << ", " << file.bytes / 1000 << " KB\n";
   const auto summary = session.stamps.summary();
   printStamps(out, summary);
-  if (stats.lost() + session.queue.counters().dropped > 0) {
-    err << "engram-capture: " << stats.lost() + session.queue.counters().dropped
-        << " images were lost: " << stats.incomplete() << " incomplete, " << stats.missed() << " never seen, "
-        << stats.unpaired << " without a partner, " << session.queue.counters().dropped
-        << " dropped by the queue\n";
+  const std::size_t dropped = session.queue.counters().dropped;
+  if (const std::size_t lost = stats.lost() + dropped; lost > 0) {
+    err << "engram-capture: lost: " << base::counted(lost, "image") << ", " << stats.incomplete()
+        << " incomplete, " << stats.missed() << " never seen, " << stats.unpaired << " without a partner, "
+        << dropped << " dropped by the queue\n";
     const std::string advice = capture::adviceOnLoss(stats);
     if (!advice.empty()) err << "engram-capture: " << advice << "\n";
   }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stamp_figures.h"
 
+#include "engram/base/text.h"
+
 #include <algorithm>
 #include <iomanip>
 #include <ostream>
@@ -16,21 +18,18 @@ constexpr std::size_t kGapsShown = 5;
 
 void printStamps(std::ostream& out, const capture::StampStatistics::Summary& s) {
   if (s.images < 2) return;
-  out << std::fixed << std::setprecision(2) << "  " << s.images << " images in " << s.last - s.first << " s, "
-      << s.rate << " per second; interval " << 1e3 * s.interval << " ms +- " << 1e3 * s.jitter
-      << " (95 %: " << 1e3 * s.interval95 << ", max: " << 1e3 * s.longest << ")\n";
+  out << std::fixed << std::setprecision(2) << "  " << base::counted(s.images, "image") << " in "
+      << s.last - s.first << " s, " << s.rate << " per second; interval " << 1e3 * s.interval << " ms +- "
+      << 1e3 * s.jitter << " (95 %: " << 1e3 * s.interval95 << ", max: " << 1e3 * s.longest << ")\n";
   if (s.gaps.empty()) return;
-  const auto counted = [](std::size_t n, const char* what) {
-    return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
-  };
-  out << "  " << counted(s.gaps.size(), "gap") << ", room for " << counted(s.missing, "image")
+  out << "  " << base::counted(s.gaps.size(), "gap") << ", room for " << base::counted(s.missing, "image")
       << (s.gaps.size() > kGapsShown ? "; the longest:\n" : ":\n");
   auto gaps = s.gaps;
   std::stable_sort(gaps.begin(), gaps.end(),
                    [](const auto& a, const auto& b) { return a.length > b.length; });
   for (std::size_t i = 0; i < std::min(gaps.size(), kGapsShown); ++i)
     out << "    " << gaps[i].length << " s after " << gaps[i].from - s.first << " s, "
-        << counted(gaps[i].missing, "image") << "\n";
+        << base::counted(gaps[i].missing, "image") << "\n";
 }
 
 nlohmann::json stampsJson(const capture::StampStatistics::Summary& s) {

@@ -163,6 +163,8 @@ void Keeper::drop(const std::string& why) {
   camera_->abandon();
   camera_.reset();
   watchdog_.lost(steadyNow());
+  const std::lock_guard lock(mutex_);
+  ++stats_.cuts;
 }
 
 void Keeper::grabOne() {

@@ -54,7 +54,7 @@ std::string adviceOnLoss(const GrabStats& stats) {
                 " images found no free buffer: raise buffers, or lower frame_rate: this computer is too slow";
     const std::string socket = adviceOnSocket(s);
     advice += socket;
-    if (socket.empty() && camera.incomplete > 0 && s.packetSize > 0)
+    if (socket.empty() && camera.incomplete > camera.cuts && s.packetSize > 0)
       advice +=
           "; packets are lost on the way: raise packet_delay_us (and packet_size where all switches and "
           "the interface take jumbo frames), or lower frame_rate";

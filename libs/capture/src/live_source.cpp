@@ -3,6 +3,7 @@
 #include "engram/capture/live_source.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/capture/gige_grabber.h"
 #include "engram/capture/odometry_feed.h"
 #include "engram/capture/sensor_reader.h"
@@ -113,7 +114,7 @@ std::string LiveSource::problem() const {
     add(std::to_string(s.queue.dropped) + " of " + std::to_string(s.queue.pushed) +
         " images were dropped to keep up with the camera; a lower frame_rate saves processor time");
   if (s.grab.lost() > 0) {
-    add(std::to_string(s.grab.lost()) + " images were lost");
+    add("lost: " + base::counted(s.grab.lost(), "image"));
     const std::string advice = adviceOnLoss(s.grab);
     if (!advice.empty()) add(advice);
   }

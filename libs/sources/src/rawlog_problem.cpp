@@ -2,16 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rawlog_problem.h"
 
+#include "engram/base/text.h"
+
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
 namespace engram::sources {
 namespace {
-
-std::string count(std::size_t n, const std::string& what) {
-  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
-}
 
 std::string named(const std::string& label) { return label.empty() ? "''" : label; }
 
@@ -28,16 +26,16 @@ std::string describeContent(const RawlogStats& stats) {
     auto& list = isAction ? acted : observed;
     list += (list.empty() ? "" : ", ") + name + " " + std::to_string(n);
   }
-  std::string text = count(observations, "observation");
+  std::string text = base::counted(observations, "observation");
   if (observations > 0) text += " (" + observed + ")";
-  if (actions > 0) text += " and " + count(actions, "action") + " (" + acted + ")";
+  if (actions > 0) text += " and " + base::counted(actions, "action") + " (" + acted + ")";
   return text;
 }
 
 std::string listCameras(const RawlogStats& stats) {
   std::string list;
   for (const auto& [label, images] : stats.cameras)
-    list += (list.empty() ? "" : ", ") + named(label) + " (" + count(images, "image") + ")";
+    list += (list.empty() ? "" : ", ") + named(label) + " (" + base::counted(images, "image") + ")";
   return list;
 }
 
@@ -48,7 +46,7 @@ std::string describeUnpaired(const RawlogStats& stats, const RawlogParams& param
     std::snprintf(text, sizeof text, "%.4g ms", 1000 * seconds);
     return std::string(text);
   };
-  std::string text = count(stats.imagesUnpaired, "image") + " left out: no image of " +
+  std::string text = base::counted(stats.imagesUnpaired, "image") + " left out: no image of " +
                      named(params.right_label) + " within " + milliseconds(params.pair_tolerance);
   if (!stats.cameras.contains(params.right_label))
     return text + ": no camera has this label; set right_label to one of: " + listCameras(stats);
@@ -78,9 +76,9 @@ std::string describeProblem(const std::string& path, const std::string& damage, 
                             const RawlogParams& params, const std::string& usedLabel) {
   std::vector<std::string> parts;
   const auto say = [&](std::size_t n, const std::string& what, const std::string& fate) {
-    if (n > 0) parts.push_back(count(n, what) + " " + fate);
+    if (n > 0) parts.push_back(base::counted(n, what) + " " + fate);
   };
-  if (!damage.empty()) parts.push_back(damage + "; " + count(stats.images, "image") + " read");
+  if (!damage.empty()) parts.push_back(damage + "; " + base::counted(stats.images, "image") + " read");
   if (stats.cameras.empty()) parts.push_back("it holds " + describeContent(stats) + " but no images");
   if (const auto choice = describeChoice(stats, params, usedLabel); !choice.empty()) parts.push_back(choice);
   say(stats.imagesDamaged, "image", "left out: damaged (" + stats.firstFailure + ")");

@@ -37,6 +37,7 @@ struct CameraStats {
   std::size_t whole = 0;       ///< arrived whole
   std::size_t incomplete = 0;  ///< arrived with packets missing: dropped
   std::size_t missed = 0;      ///< taken by the camera but never seen, by the numbers of the images
+  std::size_t cuts = 0;        ///< times the camera was lost; each may cut an image short
   std::size_t reconnects = 0;
   std::size_t clockRestarts = 0;  ///< times that the camera's clock was related to the host's anew
   double clockDrift = 0.0;        ///< how much faster the host's clock runs [s/s]
