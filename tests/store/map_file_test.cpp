@@ -331,24 +331,6 @@ TEST_F(MapFileTest, KilledWriterLosesNothingCommitted) {
   EXPECT_EQ(text({}, MapFile::open(name, Access::kReadOnly).load().content()), text({}, map.content()));
 }
 
-TEST_F(MapFileTest, ReadersAndOneWriterGetAlong) {
-  auto map = ringMap(4);
-  MapFile writer = MapFile::create(path("a.engram"), sampleHeader());
-  writer.commit(map, map.takeChanges());
-  const MapFile reader = MapFile::open(path("a.engram"), Access::kReadOnly);
-  EXPECT_EQ(reader.load().places().size(), 4u);
-  map.addPlace({});
-  writer.commit(map, map.takeChanges());
-  EXPECT_EQ(reader.load().places().size(), 5u);
-  MapFile second = MapFile::open(path("a.engram"), Access::kReadWrite);
-  map.addPlace({});
-  writer.commit(map, map.takeChanges());
-  auto loaded = second.load();
-  loaded.addPlace({});
-  EXPECT_THAT(messageOf([&] { second.commit(loaded, loaded.takeChanges()); }), HasSubstr("another program"));
-  EXPECT_EQ(reader.load().places().size(), 6u);
-}
-
 /// F-29: 97 KB a place at update 8. Random numbers compress worse than real ones.
 TEST_F(MapFileTest, PlaceAtUpdateEightTakesLessThanHundredKilobytes) {
   base::Rng rng(1);

@@ -168,6 +168,12 @@ void Database::execute(const char* sql) {
   if (code != SQLITE_OK) fail(code);
 }
 
+void Database::foldLog() {
+  execute("PRAGMA wal_checkpoint(TRUNCATE); PRAGMA busy_timeout = 0;");
+  const int code = sqlite3_exec(handle_.get(), "PRAGMA journal_mode = DELETE", nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK && (code & 0xff) != SQLITE_BUSY) fail(code);
+}
+
 std::int64_t Database::number(const char* sql) {
   Statement statement(*this, sql);
   if (!statement.step()) throw base::Error("map '" + path_ + "': it is damaged");

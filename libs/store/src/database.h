@@ -52,6 +52,9 @@ class Database {
 
   void execute(const char* sql);
   std::int64_t number(const char* sql);
+  /// Makes it one file again before it is closed. Leaving the log mode needs the file for oneself: while
+  /// others read it the log stays beside it, empty, and the next writer leaves the mode.
+  void foldLog();
   const std::string& path() const { return path_; }
   sqlite3* handle() const { return handle_.get(); }
 

@@ -276,10 +276,7 @@ std::uint64_t MapFile::bytes() const {
 void MapFile::close() {
   if (!impl_->database) return;
   const std::unique_ptr<Database> database = std::move(impl_->database);
-  // Leaving the log mode needs the file for oneself; if a reader has it open, the log stays and is folded in
-  // later.
-  if (impl_->writable) database->execute("PRAGMA wal_checkpoint(TRUNCATE); PRAGMA busy_timeout = 0;");
-  if (impl_->writable) database->execute("PRAGMA journal_mode = DELETE");
+  if (impl_->writable) database->foldLog();
 }
 
 }  // namespace engram::store
