@@ -12,22 +12,12 @@
 
 namespace engram::apps {
 
-/// One subcommand of engram-capture.
-class CaptureCommand {
- public:
-  virtual ~CaptureCommand() = default;
-  virtual std::string name() const = 0;
-  virtual std::string description() const = 0;
-  virtual std::string examples() const = 0;
-  virtual void declare(CLI::App& app) = 0;
-  virtual int run(std::ostream& out, std::ostream& err) = 0;
-};
-
-std::unique_ptr<CaptureCommand> makeListCommand();
-std::unique_ptr<CaptureCommand> makeRecordCommand();
-std::unique_ptr<CaptureCommand> makeCheckCommand();
-std::unique_ptr<CaptureCommand> makePreviewCommand();
-std::unique_ptr<CaptureCommand> makeServeCommand();
+// The subcommands of engram-capture.
+std::unique_ptr<Program> makeListCommand();
+std::unique_ptr<Program> makeRecordCommand();
+std::unique_ptr<Program> makeCheckCommand();
+std::unique_ptr<Program> makePreviewCommand();
+std::unique_ptr<Program> makeServeCommand();
 
 /// Which camera, and how it is to be set: by a section of a configuration, by options, or both.
 struct CameraOptions {

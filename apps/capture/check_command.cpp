@@ -13,7 +13,7 @@
 namespace engram::apps {
 namespace {
 
-class CheckCommand final : public CaptureCommand {
+class CheckCommand final : public Program {
  public:
   std::string name() const override { return "check"; }
   std::string description() const override {
@@ -77,6 +77,6 @@ int CheckCommand::run(std::ostream& out, std::ostream& err) {
 
 }  // namespace
 
-std::unique_ptr<CaptureCommand> makeCheckCommand() { return std::make_unique<CheckCommand>(); }
+std::unique_ptr<Program> makeCheckCommand() { return std::make_unique<CheckCommand>(); }
 
 }  // namespace engram::apps

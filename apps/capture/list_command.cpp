@@ -10,7 +10,7 @@
 namespace engram::apps {
 namespace {
 
-class ListCommand final : public CaptureCommand {
+class ListCommand final : public Program {
  public:
   std::string name() const override { return "list"; }
   std::string description() const override {
@@ -49,6 +49,6 @@ int ListCommand::run(std::ostream& out, std::ostream& err) {
 
 }  // namespace
 
-std::unique_ptr<CaptureCommand> makeListCommand() { return std::make_unique<ListCommand>(); }
+std::unique_ptr<Program> makeListCommand() { return std::make_unique<ListCommand>(); }
 
 }  // namespace engram::apps

@@ -20,7 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-class PreviewCommand final : public CaptureCommand {
+class PreviewCommand final : public Program {
  public:
   std::string name() const override { return "preview"; }
   std::string description() const override {
@@ -90,6 +90,6 @@ int PreviewCommand::run(std::ostream&, std::ostream& err) {
 
 }  // namespace
 
-std::unique_ptr<CaptureCommand> makePreviewCommand() { return std::make_unique<PreviewCommand>(); }
+std::unique_ptr<Program> makePreviewCommand() { return std::make_unique<PreviewCommand>(); }
 
 }  // namespace engram::apps

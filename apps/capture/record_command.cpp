@@ -34,7 +34,7 @@ struct Item {
 };
 using Queue = capture::BoundedQueue<Item>;
 
-class RecordCommand final : public CaptureCommand {
+class RecordCommand final : public Program {
  public:
   std::string name() const override { return "record"; }
   std::string description() const override {
@@ -271,6 +271,6 @@ nlohmann::json RecordCommand::figures(const Session& session) const {
 
 }  // namespace
 
-std::unique_ptr<CaptureCommand> makeRecordCommand() { return std::make_unique<RecordCommand>(); }
+std::unique_ptr<Program> makeRecordCommand() { return std::make_unique<RecordCommand>(); }
 
 }  // namespace engram::apps

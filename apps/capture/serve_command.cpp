@@ -15,7 +15,7 @@
 namespace engram::apps {
 namespace {
 
-class ServeCommand final : public CaptureCommand {
+class ServeCommand final : public Program {
  public:
   std::string name() const override { return "serve"; }
   std::string description() const override {
@@ -98,6 +98,6 @@ int ServeCommand::run(std::ostream& out, std::ostream& err) {
 
 }  // namespace
 
-std::unique_ptr<CaptureCommand> makeServeCommand() { return std::make_unique<ServeCommand>(); }
+std::unique_ptr<Program> makeServeCommand() { return std::make_unique<ServeCommand>(); }
 
 }  // namespace engram::apps

@@ -4,16 +4,15 @@
 
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
-#include "engram/base/parallel.h"
 #include "engram/base/progress.h"
 #include "engram/base/rng.h"
 #include "engram/cameras/stereo_rig.h"
 #include "engram/vocabulary/vocabulary_tree.h"
+#include "run_jobs.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <numeric>
 #include <sstream>
 
@@ -247,16 +246,7 @@ ViewsResult ViewsWorld::run() {
   jobs.emplace_back([&] { result.offsets = offsets(); });
   jobs.emplace_back([&] { result.spots = spots(); });
 
-  base::Progress progress(options_.progress, "experiments");
-  std::mutex mutex;
-  std::size_t done = 0;
-  progress.update(0, 0);
-  base::parallelFor(jobs.size(), options_.threads, [&](std::size_t k) {
-    jobs[k]();
-    const std::lock_guard lock(mutex);
-    ++done;
-    progress.update(static_cast<double>(done) / static_cast<double>(jobs.size()), done);
-  });
+  runJobs(jobs, options_.threads, options_.progress);
   return result;
 }
 

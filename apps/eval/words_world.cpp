@@ -3,15 +3,14 @@
 #include "words_world.h"
 
 #include "engram/base/atomic_file.h"
-#include "engram/base/parallel.h"
 #include "engram/base/progress.h"
 #include "engram/base/rng.h"
+#include "run_jobs.h"
 #include "words_run_file.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <mutex>
 
 namespace engram::apps {
 namespace fs = std::filesystem;
@@ -123,17 +122,8 @@ WordsWorldResult WordsWorld::run() {
     jobs.emplace_back([&, i] { located[i] = this->located(plan_.settings[i]); });
   for (std::size_t i = 0; i < plan_.drives.size(); ++i)
     if (plan_.drives[i].mapped) jobs.emplace_back([&, i] { mapped[i] = this->mapped(i); });
+  runJobs(jobs, options_.threads, options_.progress);
 
-  base::Progress progress(options_.progress, "experiments");
-  std::mutex mutex;
-  std::size_t done = 0;
-  progress.update(0, 0);
-  base::parallelFor(jobs.size(), options_.threads, [&](std::size_t k) {
-    jobs[k]();
-    const std::lock_guard lock(mutex);
-    ++done;
-    progress.update(static_cast<double>(done) / static_cast<double>(jobs.size()), done);
-  });
   WordsWorldResult result;
   for (auto& run : mapped)
     if (run) result.mapping.push_back(std::move(*run));

@@ -20,7 +20,7 @@
 namespace engram::apps {
 namespace {
 
-class CalibrateCommand final : public RawlogCommand {
+class CalibrateCommand final : public Program {
  public:
   std::string name() const override { return "calibrate"; }
   std::string description() const override { return "Calibration file from images of a chessboard"; }
@@ -204,6 +204,6 @@ int CalibrateCommand::run(std::ostream& out, std::ostream& err) {
 
 }  // namespace
 
-std::unique_ptr<RawlogCommand> makeCalibrateCommand() { return std::make_unique<CalibrateCommand>(); }
+std::unique_ptr<Program> makeCalibrateCommand() { return std::make_unique<CalibrateCommand>(); }
 
 }  // namespace engram::apps

@@ -68,7 +68,7 @@ class EyeInspector {
   std::string mistake_;
 };
 
-class InfoCommand final : public RawlogCommand {
+class InfoCommand final : public Program {
  public:
   std::string name() const override { return "info"; }
   std::string description() const override { return "What a rawlog holds, and whether it is damaged"; }
@@ -177,6 +177,6 @@ nlohmann::json InfoCommand::figures(const sources::RawlogStats& stats, const Ima
 
 }  // namespace
 
-std::unique_ptr<RawlogCommand> makeInfoCommand() { return std::make_unique<InfoCommand>(); }
+std::unique_ptr<Program> makeInfoCommand() { return std::make_unique<InfoCommand>(); }
 
 }  // namespace engram::apps

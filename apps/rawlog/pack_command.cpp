@@ -43,7 +43,7 @@ cameras::CameraRig scaledRig(const cameras::CameraRig& rig, cv::Size size) {
   return out;
 }
 
-class PackCommand final : public RawlogCommand {
+class PackCommand final : public Program {
  public:
   std::string name() const override { return "pack"; }
   std::string description() const override {
@@ -257,6 +257,6 @@ int PackCommand::run(std::ostream& out, std::ostream& err) {
 
 }  // namespace
 
-std::unique_ptr<RawlogCommand> makePackCommand() { return std::make_unique<PackCommand>(); }
+std::unique_ptr<Program> makePackCommand() { return std::make_unique<PackCommand>(); }
 
 }  // namespace engram::apps

@@ -32,32 +32,14 @@ std::pair<int, int> parseSize(const std::string& text, const std::string& option
 }
 
 RawlogProgram::RawlogProgram() {
-  commands_.push_back(makePackCommand());
-  commands_.push_back(makeInfoCommand());
-  commands_.push_back(makeUnpackCommand());
-  commands_.push_back(makeCalibrateCommand());
+  add(makePackCommand());
+  add(makeInfoCommand());
+  add(makeUnpackCommand());
+  add(makeCalibrateCommand());
 }
 
 std::string RawlogProgram::description() const {
   return "Makes MRPT rawlogs of image folders and back, says what is in one, and calibrates cameras.";
 }
-
-std::string RawlogProgram::examples() const {
-  std::string text;
-  for (const auto& command : commands_) text += command->examples();
-  return text;
-}
-
-void RawlogProgram::declare(CLI::App& app) {
-  app.require_subcommand(1);
-  for (auto& command : commands_) {
-    CLI::App* sub = app.add_subcommand(command->name(), command->description());
-    sub->footer("Examples:\n" + command->examples());
-    command->declare(*sub);
-    sub->callback([this, at = command.get()] { chosen_ = at; });
-  }
-}
-
-int RawlogProgram::run(std::ostream& out, std::ostream& err) { return chosen_->run(out, err); }
 
 }  // namespace engram::apps

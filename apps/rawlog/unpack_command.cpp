@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class UnpackCommand final : public RawlogCommand {
+class UnpackCommand final : public Program {
  public:
   std::string name() const override { return "unpack"; }
   std::string description() const override {
@@ -106,6 +106,6 @@ int UnpackCommand::run(std::ostream& out, std::ostream& err) {
 
 }  // namespace
 
-std::unique_ptr<RawlogCommand> makeUnpackCommand() { return std::make_unique<UnpackCommand>(); }
+std::unique_ptr<Program> makeUnpackCommand() { return std::make_unique<UnpackCommand>(); }
 
 }  // namespace engram::apps

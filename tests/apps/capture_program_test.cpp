@@ -7,6 +7,7 @@
 #include "camera_process.h"
 #include "engram/sources/rawlog_source.h"
 #include "engram/sources/rawlog_writer.h"
+#include "program_run.h"
 #include "rawlog_fixture.h"
 
 #include <gmock/gmock.h>
@@ -14,7 +15,6 @@
 
 #include <chrono>
 #include <fstream>
-#include <sstream>
 #include <sys/resource.h>
 #include <thread>
 
@@ -28,17 +28,7 @@ using ::testing::IsEmpty;
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-struct RunResult {
-  int code = -1;
-  std::string out, err;
-};
-
-RunResult capture(const std::vector<std::string>& arguments) {
-  CaptureProgram program;
-  std::ostringstream out, err;
-  const int code = runProgram(program, arguments, out, err);
-  return {code, out.str(), err.str()};
-}
+RunResult capture(const std::vector<std::string>& arguments) { return runAs<CaptureProgram>(arguments); }
 
 std::vector<std::string> record(const std::string& out, std::vector<std::string> more) {
   std::vector<std::string> arguments = {"record", "--camera",  "Fake_1", "--set", "width=64",

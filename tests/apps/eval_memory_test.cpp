@@ -7,6 +7,7 @@
 #include "make_features.h"
 #include "method_run_file.h"
 #include "methods.h"
+#include "program_run.h"
 #include "recorded_drive.h"
 
 #include <gmock/gmock.h>
@@ -119,7 +120,7 @@ class MemoryLabTest : public ::testing::Test {
     char name[] = "/tmp/engram_eval_XXXXXX";
     ASSERT_NE(mkdtemp(name), nullptr);
     folder_ = name;
-    first_ = new Result(memory({"--out", path("one"), "--json", path("one.json"), "--threads", "1"}));
+    first_ = new RunResult(memory({"--out", path("one"), "--json", path("one.json"), "--threads", "1"}));
   }
   static void TearDownTestSuite() {
     fs::remove_all(folder_);
@@ -130,25 +131,18 @@ class MemoryLabTest : public ::testing::Test {
     std::ifstream in(path(name), std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  struct Result {
-    int code = -1;
-    std::string out, err;
-  };
-  static Result memory(std::vector<std::string> arguments) {
+  static RunResult memory(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(),
                      {"memory", "--quick", "--methods", "fsh,bow_80,static", "--set", "memory_lab.places=8",
                       "--set", "memory_lab.updates=2", "--set", "memory_lab.test_spacing=2"});
-    EvalProgram program;
-    std::ostringstream out, err;
-    const int code = runProgram(program, arguments, out, err);
-    return {code, out.str(), err.str()};
+    return runAs<EvalProgram>(arguments);
   }
 
   static std::string folder_;
-  static const Result* first_;
+  static const RunResult* first_;
 };
 std::string MemoryLabTest::folder_;
-const MemoryLabTest::Result* MemoryLabTest::first_ = nullptr;
+const RunResult* MemoryLabTest::first_ = nullptr;
 
 TEST_F(MemoryLabTest, WritesEveryFigure) {
   ASSERT_EQ(first_->code, kOk) << first_->err;
@@ -185,7 +179,7 @@ TEST_F(MemoryLabTest, StaticPlacesNeverChangeAndLearningOnesDo) {
 TEST_F(MemoryLabTest, GoesOnWhereItStoppedWithEqualFigures) {
   fs::remove(path("one/runs/fsh.json"));  // as if it had been interrupted
   const std::string csv = read("one/results.csv");
-  const Result again = memory({"--out", path("one"), "--json", path("again.json"), "--threads", "2"});
+  const RunResult again = memory({"--out", path("one"), "--json", path("again.json"), "--threads", "2"});
   ASSERT_EQ(again.code, kOk) << again.err;
   EXPECT_EQ(read("one/results.csv"), csv);
   EXPECT_EQ(read("again.json"), read("one.json"));
@@ -193,7 +187,7 @@ TEST_F(MemoryLabTest, GoesOnWhereItStoppedWithEqualFigures) {
 
 TEST_F(MemoryLabTest, RecordsDrivesAnewWhenTheWorldIsAnother) {
   fs::copy(path("one"), path("other"), fs::copy_options::recursive);
-  const Result refused = memory({"--out", path("other"), "--seed", "4"});
+  const RunResult refused = memory({"--out", path("other"), "--seed", "4"});
   EXPECT_EQ(refused.code, kError);
   EXPECT_THAT(refused.err, HasSubstr("--overwrite"));
   EXPECT_EQ(read("other/results.csv"), read("one/results.csv"));
@@ -205,7 +199,7 @@ TEST_F(MemoryLabTest, RecordsDrivesAnewWhenTheWorldIsAnother) {
 TEST_F(MemoryLabTest, DamagedIntermediateFilesAreNamed) {
   fs::copy(path("one"), path("damaged"), fs::copy_options::recursive);
   std::ofstream(path("damaged/runs/static.json")) << "{\"method\":";
-  const Result result = memory({"--out", path("damaged")});
+  const RunResult result = memory({"--out", path("damaged")});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err, HasSubstr("static.json"));
 }

@@ -5,6 +5,7 @@
 #include "engram/evaluation/trajectory.h"
 #include "engram/sources/rawlog_writer.h"
 #include "odometry_command.h"
+#include "program_run.h"
 #include "rawlog_fixture.h"
 #include "rawlog_program.h"
 #include "world_pairs.h"
@@ -15,7 +16,6 @@
 #include <algorithm>
 #include <fstream>
 #include <optional>
-#include <sstream>
 
 namespace engram::apps {
 namespace {
@@ -51,19 +51,6 @@ class OdometryProgram final : public Program {
 const std::vector<Shown>& seenLevel() {
   static const auto shown = driveThroughOffice(smallRig(), 24, 0.06, 3);
   return shown;
-}
-
-struct Result {
-  int code = -1;
-  std::string out, err;
-};
-
-template <class P>
-Result run(const std::vector<std::string>& arguments) {
-  P program;
-  std::ostringstream out, err;
-  const int code = runProgram(program, arguments, out, err);
-  return {code, out.str(), err.str()};
 }
 
 class EvalOdometry : public testing::Test {
@@ -108,11 +95,11 @@ class EvalOdometry : public testing::Test {
 
   /// Both programs say what is wrong, and that not all is well.
   void expectFault(const std::string& rawlog, const std::string& fault, const std::string& message) const {
-    const auto eval = run<OdometryProgram>({"--rawlog", rawlog, "--json", path(fault + ".json"), "-q"});
+    const auto eval = runAs<OdometryProgram>({"--rawlog", rawlog, "--json", path(fault + ".json"), "-q"});
     EXPECT_EQ(eval.code, kPartial);
     EXPECT_THAT(eval.err, AllOf(HasSubstr(rawlog), HasSubstr(message)));
     EXPECT_EQ(json(fault + ".json")["camera_check"]["fault"], fault);
-    const auto info = run<RawlogProgram>({"info", rawlog, "--json", path(fault + "2.json"), "-q"});
+    const auto info = runAs<RawlogProgram>({"info", rawlog, "--json", path(fault + "2.json"), "-q"});
     EXPECT_EQ(info.code, kPartial);
     EXPECT_THAT(info.err, AllOf(HasSubstr(rawlog), HasSubstr(message)));
     EXPECT_EQ(json(fault + "2.json")["stereo_check"]["fault"], fault);
@@ -124,7 +111,7 @@ class EvalOdometry : public testing::Test {
 
 TEST_F(EvalOdometry, MeasuresTheDriftOfADrive) {
   const auto rawlog = record("a.rawlog");
-  const auto result = run<OdometryProgram>(
+  const auto result = runAs<OdometryProgram>(
       {"--rawlog", rawlog, "--truth", writeTruth(), "--out", path("vo"), "--json", path("vo.json")});
   ASSERT_EQ(result.code, kOk) << result.err;
   EXPECT_THAT(result.out, AllOf(HasSubstr("44 frames"), HasSubstr("in 1 piece"), HasSubstr("drift: ")));
@@ -132,7 +119,8 @@ TEST_F(EvalOdometry, MeasuresTheDriftOfADrive) {
   EXPECT_EQ(figures["frames"], kFrames);
   EXPECT_EQ(figures["failed"], 0);
   EXPECT_NEAR(figures["true_path_m"], 0.06 * (kFrames - 1), 0.03);
-  // 3.2 % and 0.05 m were measured: 320 x 240 pixels, a crooked head; tests/odometry holds the accuracy itself.
+  // 3.2 % and 0.05 m were measured: 320 x 240 pixels, a crooked head; tests/odometry holds the accuracy
+  // itself.
   EXPECT_LT(figures["translation_percent"], 4);
   EXPECT_EQ(figures["camera_check"]["fault"], "none");
   const auto trajectory = evaluation::readTum(path("vo/trajectory.tum"));
@@ -141,10 +129,10 @@ TEST_F(EvalOdometry, MeasuresTheDriftOfADrive) {
   const auto was = seen().front().T_world_robot.inverse() * seen().back().T_world_robot;
   EXPECT_LT((is.translation() - was.translation()).norm(), 0.08);
 
-  const auto again = run<OdometryProgram>({"--rawlog", rawlog, "--out", path("vo")});
+  const auto again = runAs<OdometryProgram>({"--rawlog", rawlog, "--out", path("vo")});
   EXPECT_EQ(again.code, kError);
   EXPECT_THAT(again.err, HasSubstr("--overwrite"));
-  const auto info = run<RawlogProgram>({"info", rawlog, "-q"});
+  const auto info = runAs<RawlogProgram>({"info", rawlog, "-q"});
   EXPECT_EQ(info.code, kOk) << info.err;
   EXPECT_THAT(info.out, HasSubstr("calibrated stereo camera, baseline 0.09"));
 }
@@ -181,21 +169,21 @@ TEST_F(EvalOdometry, UnrectifiedImagesDeclaredRectified) {
 
 TEST_F(EvalOdometry, WithoutCalibrationOrRightImages) {
   const auto rawlog = record("bare.rawlog", std::nullopt, [](int, types::StereoPair&) {});
-  auto result = run<OdometryProgram>({"--rawlog", rawlog});
+  auto result = runAs<OdometryProgram>({"--rawlog", rawlog});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err, AllOf(HasSubstr("bare.rawlog: holds no calibration of a stereo camera"),
                                 HasSubstr("--camera"), HasSubstr("calibrate --stereo")));
-  const auto info = run<RawlogProgram>({"info", rawlog, "-q"});
+  const auto info = runAs<RawlogProgram>({"info", rawlog, "-q"});
   EXPECT_EQ(info.code, kOk);
   EXPECT_THAT(info.out, HasSubstr("stereo camera without calibration"));
 
   std::ofstream(path("head.ini")) << cameras::toText(crookedRig());
-  result = run<OdometryProgram>({"--rawlog", rawlog, "--camera", path("head.ini")});
+  result = runAs<OdometryProgram>({"--rawlog", rawlog, "--camera", path("head.ini")});
   EXPECT_EQ(result.code, kOk) << result.err;
 
   const auto mono =
       record("mono.rawlog", std::nullopt, [](int, types::StereoPair& p) { p.right = cv::Mat(); });
-  result = run<OdometryProgram>({"--rawlog", mono, "--camera", path("head.ini")});
+  result = runAs<OdometryProgram>({"--rawlog", mono, "--camera", path("head.ini")});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err, HasSubstr("has no right one"));
 }
@@ -204,15 +192,15 @@ TEST_F(EvalOdometry, TheTwoCamerasExchangedInTheCalibration) {
   cameras::StereoRig wrong = crookedRig();
   std::swap(wrong.left, wrong.right);
   const auto rawlog = record("x.rawlog", wrong, [](int, types::StereoPair&) {});
-  EXPECT_THAT(run<OdometryProgram>({"--rawlog", rawlog}).err, HasSubstr("exchanged in the calibration"));
-  const auto info = run<RawlogProgram>({"info", rawlog, "-q"});
+  EXPECT_THAT(runAs<OdometryProgram>({"--rawlog", rawlog}).err, HasSubstr("exchanged in the calibration"));
+  const auto info = runAs<RawlogProgram>({"info", rawlog, "-q"});
   EXPECT_EQ(info.code, kPartial);
   EXPECT_THAT(info.err, HasSubstr("exchanged in the calibration"));
 }
 
 TEST_F(EvalOdometry, TruthThatDoesNotBelong) {
   std::ofstream(path("other.tum")) << "5 0 0 0 0 0 0 1\n6 1 0 0 0 0 0 1\n";
-  const auto result = run<OdometryProgram>({"--rawlog", record("a.rawlog"), "--truth", path("other.tum")});
+  const auto result = runAs<OdometryProgram>({"--rawlog", record("a.rawlog"), "--truth", path("other.tum")});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err, HasSubstr("do the two belong together?"));
 }
@@ -221,7 +209,7 @@ TEST_F(EvalOdometry, BothEyesCovered) {
   const cv::Mat dark(240, 320, CV_8U, cv::Scalar(6));
   const auto rawlog =
       record("dark.rawlog", crookedRig(), [&](int, types::StereoPair& p) { p.left = p.right = dark; });
-  const auto result = run<OdometryProgram>({"--rawlog", rawlog, "--truth", writeTruth()});
+  const auto result = runAs<OdometryProgram>({"--rawlog", rawlog, "--truth", writeTruth()});
   EXPECT_EQ(result.code, kError);
   EXPECT_THAT(result.err,
               HasSubstr("no motion was found; the last of 44 frames failed with too_few_corners"));

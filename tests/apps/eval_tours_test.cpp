@@ -3,6 +3,7 @@
 #include "eval_program.h"
 #include "make_features.h"
 #include "methods.h"
+#include "program_run.h"
 #include "tours_figures.h"
 #include "tours_run_file.h"
 
@@ -16,7 +17,6 @@
 #include <iterator>
 #include <numeric>
 #include <set>
-#include <sstream>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -252,20 +252,14 @@ class ToursTest : public ::testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
 
-  struct Result {
-    int code;
-    std::string out, err;
-  };
-  static Result tours(std::vector<std::string> arguments) {
+  static RunResult tours(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"tours", "--quick", "--set", "drive.spacing=2"});
-    EvalProgram program;
-    std::ostringstream out, err;
-    const int code = runProgram(program, arguments, out, err);
-    return {code, out.str(), err.str()};
+    return runAs<EvalProgram>(arguments);
   }
   /// The experiment that the tests start from.
   static void runOnce() {
-    static const Result first = tours({"--out", path("one"), "--json", path("one.json"), "--threads", "1"});
+    static const RunResult first =
+        tours({"--out", path("one"), "--json", path("one.json"), "--threads", "1"});
     ASSERT_EQ(first.code, kOk) << first.err;
     EXPECT_THAT(first.out, HasSubstr("paper, static"));
   }
@@ -303,7 +297,7 @@ TEST_F(ToursTest, QuickRunWritesWholeFigures) {
 
 TEST_F(ToursTest, FiguresDoNotDependOnThreads) {
   runOnce();
-  const Result two = tours({"--out", path("two"), "--json", path("two.json"), "--threads", "2", "-q"});
+  const RunResult two = tours({"--out", path("two"), "--json", path("two.json"), "--threads", "2", "-q"});
   ASSERT_EQ(two.code, kOk) << two.err;
   EXPECT_TRUE(two.out.empty());
   EXPECT_EQ(read("two/tours.csv"), read("one/tours.csv"));
@@ -329,18 +323,18 @@ TEST_F(ToursTest, GoesOnFromWhatIsThere) {
   EXPECT_EQ(read("again.json"), figures);
 
   std::ofstream(path("one/runs/fsh.json")) << "{\"method\": \"fsh\", ";
-  const Result damaged = tours({"--out", path("one")});
+  const RunResult damaged = tours({"--out", path("one")});
   EXPECT_EQ(damaged.code, kError);
   EXPECT_THAT(damaged.err, HasSubstr("fsh.json"));
   fs::remove(path("one/runs/fsh.json"));
-  const Result other = tours({"--out", path("one"), "--set", "tours.places=5"});
+  const RunResult other = tours({"--out", path("one"), "--set", "tours.places=5"});
   EXPECT_EQ(other.code, kError);
   EXPECT_THAT(other.err, HasSubstr("other settings"));
 }
 
 TEST_F(ToursTest, RefusesWhatItCannotUse) {
   EXPECT_EQ(tours({}).code, kError);
-  const Result sudden = tours({"--out", path("bad"), "--set", "change.sudden_sessions=soon"});
+  const RunResult sudden = tours({"--out", path("bad"), "--set", "change.sudden_sessions=soon"});
   EXPECT_EQ(sudden.code, kError);
   EXPECT_THAT(sudden.err, HasSubstr("sudden_sessions"));
   EXPECT_EQ(tours({"--out", path("bad2"), "--set", "tours.tours=1"}).code, kError);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/store/map_file.h"
 #include "eval_program.h"
+#include "program_run.h"
 #include "views_report.h"
 
 #include <gmock/gmock.h>
@@ -10,7 +11,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 #include <unistd.h>
 
 namespace engram::apps {
@@ -19,20 +19,9 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-struct Result {
-  int code = 0;
-  std::string out, err;
-};
-
-Result views(std::vector<std::string> arguments) {
+RunResult views(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "views");
-  EvalProgram program;
-  std::ostringstream out, err;
-  Result result;
-  result.code = runProgram(program, arguments, out, err);
-  result.out = out.str();
-  result.err = err.str();
-  return result;
+  return runAs<EvalProgram>(arguments);
 }
 
 /// Figures without what depends on the machine.
@@ -60,10 +49,10 @@ class ViewsTest : public ::testing::Test {
     return nlohmann::json::parse(in);
   }
   static fs::path folder_;
-  static Result first_;
+  static RunResult first_;
 };
 fs::path ViewsTest::folder_;
-Result ViewsTest::first_;
+RunResult ViewsTest::first_;
 
 TEST_F(ViewsTest, MakesMapsOfAllDrivesAndSaysHowGoodTheyAre) {
   ASSERT_EQ(first_.code, kOk) << first_.err;
@@ -104,7 +93,7 @@ TEST_F(ViewsTest, DefaultsAreThoseOfItsConfiguration) {
   const std::vector<std::string> noCamera{"--dump-config", "--set", "camera.file="};
   auto withFile = noCamera;
   withFile.insert(withFile.end(), {"--config", ENGRAM_SOURCE_DIR "/config/view_map.ini"});
-  const Result plain = views(noCamera), file = views(withFile);
+  const RunResult plain = views(noCamera), file = views(withFile);
   ASSERT_EQ(plain.code, kOk);
   EXPECT_EQ(plain.out, file.out);
   EXPECT_THAT(plain.out, HasSubstr("nodes = views"));
@@ -112,10 +101,10 @@ TEST_F(ViewsTest, DefaultsAreThoseOfItsConfiguration) {
 
 TEST_F(ViewsTest, RefusesWhatItCannotUse) {
   EXPECT_EQ(views({"--quick"}).code, kError);  // no --out
-  const Result kappas = views({"--quick", "--out", path("x"), "--set", "views_world.kappas=2,many"});
+  const RunResult kappas = views({"--quick", "--out", path("x"), "--set", "views_world.kappas=2,many"});
   EXPECT_EQ(kappas.code, kError);
   EXPECT_THAT(kappas.err, HasSubstr("'many' is no whole number"));
-  const Result camera = views({"--quick", "--out", path("y"), "--set", "camera.file=/no/such/camera.ini"});
+  const RunResult camera = views({"--quick", "--out", path("y"), "--set", "camera.file=/no/such/camera.ini"});
   EXPECT_EQ(camera.code, kError);
   EXPECT_THAT(camera.err, HasSubstr("/no/such/camera.ini"));
   EXPECT_EQ(views({"--quick", "--out", path("a"), "--seed", "9"}).code, kError) << "other settings";

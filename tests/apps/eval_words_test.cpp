@@ -4,6 +4,7 @@
 #include "eval_program.h"
 #include "loop_benchmark.h"
 #include "loop_figures.h"
+#include "program_run.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -15,7 +16,6 @@
 #include <fstream>
 #include <iterator>
 #include <set>
-#include <sstream>
 #include <unistd.h>
 
 namespace engram::apps {
@@ -115,16 +115,9 @@ class WordsTest : public ::testing::Test {
     return moved;
   }
 
-  struct Result {
-    int code;
-    std::string out, err;
-  };
-  static Result words(std::vector<std::string> arguments) {
+  static RunResult words(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"words", "-q", "--threads", "1"});
-    EvalProgram program;
-    std::ostringstream out, err;
-    const int code = runProgram(program, arguments, out, err);
-    return {code, out.str(), err.str()};
+    return runAs<EvalProgram>(arguments);
   }
   /// Runs and gives the figures.
   static nlohmann::json figures(std::vector<std::string> arguments) {
@@ -132,7 +125,7 @@ class WordsTest : public ::testing::Test {
     const std::string name = path("run" + std::to_string(run++));
     arguments.insert(arguments.end(),
                      {"--truth", path("truth.csv"), "--out", name, "--json", name + ".json"});
-    const Result result = words(arguments);
+    const RunResult result = words(arguments);
     EXPECT_EQ(result.code, kOk) << result.err;
     lastFolder_ = name;
     std::ifstream in(name + ".json");
@@ -192,8 +185,8 @@ TEST_F(WordsTest, GapHidesWhatIsNear) {
 }
 
 TEST_F(WordsTest, DefaultsAreThoseOfItsConfiguration) {
-  const Result plain = words({"--dump-config", "--images", "walk"});
-  const Result file =
+  const RunResult plain = words({"--dump-config", "--images", "walk"});
+  const RunResult file =
       words({"--dump-config", "--images", "walk", "--config", ENGRAM_SOURCE_DIR "/config/words_mono.ini"});
   EXPECT_EQ(plain.code, kOk);
   EXPECT_EQ(plain.out, file.out);
@@ -202,7 +195,8 @@ TEST_F(WordsTest, DefaultsAreThoseOfItsConfiguration) {
 
 TEST_F(WordsTest, RefusesWhatItCannotUse) {
   EXPECT_EQ(words({"--images", path("both")}).code, kError);
-  const Result nowhere = words({"--images", path("none"), "--truth", path("truth.csv"), "--out", path("x")});
+  const RunResult nowhere =
+      words({"--images", path("none"), "--truth", path("truth.csv"), "--out", path("x")});
   EXPECT_EQ(nowhere.code, kError);
   EXPECT_THAT(nowhere.err, HasSubstr("none"));
   std::ofstream(path("bad.csv")) << "what,is,this\n";
@@ -220,8 +214,8 @@ TEST_F(WordsTest, FindsTheLoopsOfARealWalk) {
     if (std::getenv("CI")) FAIL() << data << " is missing: set ENGRAM_DATASETS";
     GTEST_SKIP() << "NOT TESTED on real images: " << data << " is missing: set ENGRAM_DATASETS";
   }
-  const Result run = words({"--images", data / "images", "--truth", data / "truth.csv", "--out", path("real"),
-                            "--json", path("real.json")});
+  const RunResult run = words({"--images", data / "images", "--truth", data / "truth.csv", "--out",
+                               path("real"), "--json", path("real.json")});
   ASSERT_EQ(run.code, kOk) << run.err;
   std::ifstream in(path("real.json"));
   const auto json = nlohmann::json::parse(in);

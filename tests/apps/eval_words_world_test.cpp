@@ -3,6 +3,7 @@
 #include "engram/base/error.h"
 #include "engram/evaluation/trajectory.h"
 #include "eval_program.h"
+#include "program_run.h"
 #include "words_localisation.h"
 #include "words_protocol.h"
 #include "words_run_file.h"
@@ -15,7 +16,6 @@
 #include <fstream>
 #include <iterator>
 #include <set>
-#include <sstream>
 #include <unistd.h>
 
 namespace engram::apps {
@@ -151,10 +151,6 @@ TEST(WordsTransitions, ChangeTheConfiguration) {
 /// One quick experiment that the tests look at.
 class WordsWorldTest : public ::testing::Test {
  protected:
-  struct Result {
-    int code;
-    std::string out, err;
-  };
   static void SetUpTestSuite() {
     std::string name = (fs::temp_directory_path() / "engram_words_world_XXXXXX").string();
     ASSERT_NE(mkdtemp(name.data()), nullptr);
@@ -163,12 +159,9 @@ class WordsWorldTest : public ::testing::Test {
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
   static std::string path(const std::string& name) { return folder_ + "/" + name; }
-  static Result words(std::vector<std::string> arguments) {
+  static RunResult words(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "words");
-    EvalProgram program;
-    std::ostringstream out, err;
-    const int code = runProgram(program, arguments, out, err);
-    return {code, out.str(), err.str()};
+    return runAs<EvalProgram>(arguments);
   }
   static std::string read(const std::string& name) {
     std::ifstream in(path(name));
@@ -186,10 +179,10 @@ class WordsWorldTest : public ::testing::Test {
   }
 
   static std::string folder_;
-  static Result first_;
+  static RunResult first_;
 };
 std::string WordsWorldTest::folder_;
-WordsWorldTest::Result WordsWorldTest::first_;
+RunResult WordsWorldTest::first_;
 
 TEST_F(WordsWorldTest, MapsAndLocates) {
   ASSERT_EQ(first_.code, kOk) << first_.err;
@@ -266,7 +259,7 @@ TEST_F(WordsWorldTest, IsDeterministicAndGoesOn) {
   EXPECT_EQ(fs::last_write_time(kept), before);
 
   std::ofstream(path("b/runs/mapping_tiny.json")) << "{\"building\": ";
-  const Result damaged = words({"--quick", "-q", "--out", path("b")});
+  const RunResult damaged = words({"--quick", "-q", "--out", path("b")});
   EXPECT_EQ(damaged.code, kError);
   EXPECT_THAT(damaged.err, HasSubstr("mapping_tiny.json is not whole"));
 }
@@ -275,27 +268,28 @@ TEST_F(WordsWorldTest, DefaultsAreThoseOfItsConfiguration) {
   const std::vector<std::string> noCamera{"--dump-config", "--set", "camera.file="};
   auto withFile = noCamera;
   withFile.insert(withFile.end(), {"--config", ENGRAM_SOURCE_DIR "/config/words_odometry.ini"});
-  const Result plain = words(noCamera), file = words(withFile);
+  const RunResult plain = words(noCamera), file = words(withFile);
   ASSERT_EQ(plain.code, kOk);
   EXPECT_EQ(plain.out, file.out);
   EXPECT_THAT(plain.out, HasSubstr("min_distance = 0.5"));
-  const Result whole = words({"--dump-config", "--config", ENGRAM_SOURCE_DIR "/config/words_odometry.ini"});
+  const RunResult whole =
+      words({"--dump-config", "--config", ENGRAM_SOURCE_DIR "/config/words_odometry.ini"});
   EXPECT_THAT(whole.out, HasSubstr("pinhole_world.ini"));
 }
 
 TEST_F(WordsWorldTest, RefusesWhatItCannotUse) {
-  const Result truth = words({"--truth", "t.csv", "--out", path("x")});
+  const RunResult truth = words({"--truth", "t.csv", "--out", path("x")});
   EXPECT_EQ(truth.code, kError);
   EXPECT_THAT(truth.err, HasSubstr("--truth belongs to --images"));
   EXPECT_THAT(words({"--stops", "2", "--out", path("x")}).err, HasSubstr("--stops"));
-  const Result none = words({"--out", path("x"), "--set", "words_world.attempts=0"});
+  const RunResult none = words({"--out", path("x"), "--set", "words_world.attempts=0"});
   EXPECT_EQ(none.code, kError);
   EXPECT_THAT(none.err, HasSubstr("attempts"));
   EXPECT_EQ(words({"--quick"}).code, kError);  // no --out
-  const Result camera = words({"--quick", "--out", path("y"), "--set", "camera.file=/no/such/camera.ini"});
+  const RunResult camera = words({"--quick", "--out", path("y"), "--set", "camera.file=/no/such/camera.ini"});
   EXPECT_EQ(camera.code, kError);
   EXPECT_THAT(camera.err, HasSubstr("/no/such/camera.ini"));
-  const Result other = words({"--quick", "--out", path("a"), "--seed", "9"});
+  const RunResult other = words({"--quick", "--out", path("a"), "--seed", "9"});
   EXPECT_EQ(other.code, kError);
   EXPECT_THAT(other.err, HasSubstr("other settings"));
 }

@@ -5,6 +5,7 @@
 #include "engram/base/interrupt.h"
 #include "engram/cameras/camera_rig.h"
 #include "engram/sources/rawlog_source.h"
+#include "program_run.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -16,7 +17,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <sstream>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,17 +27,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-struct Result {
-  int code = -1;
-  std::string out, err;
-};
-
-Result run(const std::vector<std::string>& arguments) {
-  RawlogProgram program;
-  std::ostringstream out, err;
-  const int code = runProgram(program, arguments, out, err);
-  return {code, out.str(), err.str()};
-}
+RunResult run(const std::vector<std::string>& arguments) { return runAs<RawlogProgram>(arguments); }
 
 class RawlogTool : public testing::Test {
  protected:
@@ -77,7 +67,7 @@ class RawlogTool : public testing::Test {
 TEST_F(RawlogTool, HelpHasExamplesEverywhere) {
   EXPECT_THAT(run({"--help"}).out, HasSubstr("Examples:"));
   for (const char* command : {"pack", "info", "unpack", "calibrate"}) {
-    const Result result = run({command, "--help"});
+    const RunResult result = run({command, "--help"});
     EXPECT_EQ(result.code, kOk);
     EXPECT_THAT(result.out,
                 AllOf(HasSubstr("Examples:"), HasSubstr(std::string("engram-rawlog ") + command)));
@@ -96,13 +86,13 @@ TEST_F(RawlogTool, PackInfoUnpackPackAgain) {
   write("in/t.csv",
         "image,stamp,x,y,yaw\np0.png,100.5,0,0,0\np1.png,101,1,0,0.1\np2.png,101.5,2,0.5,0.2\n"
         "p3.png,102,3,1,0.3\np4.png,102.5,,,\n");
-  const Result pack = run({"pack", "--images", path("in"), "--csv", path("in/t.csv"), "--out",
-                           path("a.rawlog"), "-q", "--json", path("pack.json")});
+  const RunResult pack = run({"pack", "--images", path("in"), "--csv", path("in/t.csv"), "--out",
+                              path("a.rawlog"), "-q", "--json", path("pack.json")});
   EXPECT_EQ(pack.code, kOk) << pack.err;
   EXPECT_THAT(pack.out, HasSubstr("5 images of 128x64"));
   EXPECT_EQ(json("pack.json")["images"], 5);
 
-  const Result info = run({"info", path("a.rawlog"), "--json", path("info.json")});
+  const RunResult info = run({"info", path("a.rawlog"), "--json", path("info.json")});
   EXPECT_EQ(info.code, kOk) << info.err;
   EXPECT_THAT(info.out, AllOf(HasSubstr("CObservationImage 'CAMERA': 5"),
                               HasSubstr("CObservationOdometry 'ODOMETRY': 4"),
@@ -110,10 +100,10 @@ TEST_F(RawlogTool, PackInfoUnpackPackAgain) {
   EXPECT_NEAR(json("info.json")["path_m"], 1 + 2 * std::hypot(1, 0.5), 1e-6);
   EXPECT_EQ(json("info.json")["objects"]["CObservationImage"]["CAMERA"], 5);
 
-  const Result unpack = run({"unpack", path("a.rawlog"), "--out", path("b"), "-q"});
+  const RunResult unpack = run({"unpack", path("a.rawlog"), "--out", path("b"), "-q"});
   EXPECT_EQ(unpack.code, kOk) << unpack.err;
   EXPECT_THAT(bytesOf("b/frames.csv"), HasSubstr("000002.png,101.5000000,,2,0.5,0.2\n"));
-  const Result again =
+  const RunResult again =
       run({"pack", "--images", path("b"), "--csv", path("b/frames.csv"), "--out", path("c.rawlog"), "-q"});
   EXPECT_EQ(again.code, kOk) << again.err;
   auto first = sources::openRawlog(path("a.rawlog")), second = sources::openRawlog(path("c.rawlog"));
@@ -150,7 +140,7 @@ TEST_F(RawlogTool, NothingIsOverwrittenUnasked) {
   makeImages("in", 1);
   write("a.rawlog", "precious");
   write("c.ini", "precious");
-  const Result pack = run({"pack", "--images", path("in"), "--out", path("a.rawlog")});
+  const RunResult pack = run({"pack", "--images", path("in"), "--out", path("a.rawlog")});
   EXPECT_EQ(pack.code, kError);
   EXPECT_THAT(pack.err, HasSubstr("exists already"));
   EXPECT_EQ(
@@ -160,7 +150,7 @@ TEST_F(RawlogTool, NothingIsOverwrittenUnasked) {
   EXPECT_EQ(bytesOf("a.rawlog"), "precious");
   EXPECT_EQ(bytesOf("c.ini"), "precious");
   EXPECT_EQ(run({"pack", "--images", path("in"), "--out", path("a.rawlog"), "--overwrite", "-q"}).code, kOk);
-  const Result unpack = run({"unpack", path("a.rawlog"), "--out", path("in")});
+  const RunResult unpack = run({"unpack", path("a.rawlog"), "--out", path("in")});
   EXPECT_EQ(unpack.code, kError);
   EXPECT_THAT(unpack.err, HasSubstr("not empty"));
 }
@@ -202,7 +192,7 @@ TEST_F(RawlogTool, RealRawlogWithoutImages) {
     if (std::getenv("CI")) FAIL() << file << " is missing: install mrpt-common";
     GTEST_SKIP() << file << " is missing: install mrpt-common";
   }
-  const Result info = run({"info", file, "-q"});
+  const RunResult info = run({"info", file, "-q"});
   EXPECT_EQ(info.code, kOk);
   EXPECT_THAT(info.out, HasSubstr("odometry: 37 readings, path 13.00 m"));
   EXPECT_THAT(info.err, HasSubstr("but no images"));
@@ -214,16 +204,16 @@ TEST_F(RawlogTool, DamagedInputIsUsedInPartAndSaid) {
   makeImages("in", 6);
   ASSERT_EQ(run({"pack", "--images", path("in"), "--out", path("a.rawlog"), "-q"}).code, kOk);
   fs::resize_file(path("a.rawlog"), fs::file_size(path("a.rawlog")) / 2);
-  const Result info = run({"info", path("a.rawlog"), "--json", path("i.json"), "-q"});
+  const RunResult info = run({"info", path("a.rawlog"), "--json", path("i.json"), "-q"});
   EXPECT_EQ(info.code, kPartial);
   EXPECT_THAT(info.err, AllOf(HasSubstr("truncated"), HasSubstr("images read")));
   EXPECT_THAT(json("i.json")["damage"].get<std::string>(), HasSubstr("truncated"));
-  const Result unpack = run({"unpack", path("a.rawlog"), "--out", path("u"), "-q"});
+  const RunResult unpack = run({"unpack", path("a.rawlog"), "--out", path("u"), "-q"});
   EXPECT_EQ(unpack.code, kPartial);
   EXPECT_TRUE(fs::exists(path("u/000001.png")));
 
   write("in/p3.png", "no image");
-  const Result pack = run({"pack", "--images", path("in"), "--out", path("b.rawlog"), "-q"});
+  const RunResult pack = run({"pack", "--images", path("in"), "--out", path("b.rawlog"), "-q"});
   EXPECT_EQ(pack.code, kPartial);
   EXPECT_THAT(pack.err, HasSubstr("p3.png: not an image"));
   EXPECT_THAT(pack.out, HasSubstr("5 images"));
@@ -239,7 +229,7 @@ TEST_F(RawlogToolDeathTest, InterruptEndsInOrder) {
   const auto afterSignal = [](const std::vector<std::string>& arguments) {
     base::installInterruptHandler();
     std::raise(SIGINT);
-    const Result result = run(arguments);
+    const RunResult result = run(arguments);
     std::cerr << result.err;
     std::_Exit(result.code);
   };

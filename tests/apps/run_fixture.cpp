@@ -11,20 +11,11 @@
 #include <fstream>
 #include <iomanip>
 #include <iterator>
-#include <sstream>
 #include <unistd.h>
 
 namespace engram::apps {
 namespace fs = std::filesystem;
 namespace {
-
-template <class ProgramType>
-RunResult run(const std::vector<std::string>& arguments) {
-  ProgramType program;
-  std::ostringstream out, err;
-  const int code = runProgram(program, arguments, out, err);
-  return {code, out.str(), err.str()};
-}
 
 std::string newFolder() {
   std::string name = (fs::temp_directory_path() / "engram_run_XXXXXX").string();
@@ -61,8 +52,8 @@ const std::string& shared() {
 
 }  // namespace
 
-RunResult slam(const std::vector<std::string>& arguments) { return run<SlamProgram>(arguments); }
-RunResult localize(const std::vector<std::string>& arguments) { return run<LocalizeProgram>(arguments); }
+RunResult slam(const std::vector<std::string>& arguments) { return runAs<SlamProgram>(arguments); }
+RunResult localize(const std::vector<std::string>& arguments) { return runAs<LocalizeProgram>(arguments); }
 
 void RunTest::SetUp() { folder_ = newFolder(); }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/types/frame.h"
+#include "program_run.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -12,10 +13,6 @@
 
 namespace engram::apps {
 
-struct RunResult {
-  int code = -1;
-  std::string out, err;
-};
 RunResult slam(const std::vector<std::string>& arguments);
 RunResult localize(const std::vector<std::string>& arguments);
 

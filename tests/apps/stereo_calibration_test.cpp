@@ -5,6 +5,7 @@
 #include "board_scene.h"
 #include "engram/base/error.h"
 #include "engram/cameras/pinhole.h"
+#include "program_run.h"
 #include "rawlog_program.h"
 
 #include <gmock/gmock.h>
@@ -14,7 +15,6 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
-#include <sstream>
 
 namespace engram::apps {
 namespace {
@@ -120,17 +120,7 @@ TEST(StereoCalibration, TooFewPairsIsAnError) {
   EXPECT_THROW(calibrateStereo(pairs(head(), 4, 0.1), kSize, kOptions), base::Error);
 }
 
-struct Result {
-  int code = -1;
-  std::string out, err;
-};
-
-Result run(const std::vector<std::string>& arguments) {
-  RawlogProgram program;
-  std::ostringstream out, err;
-  const int code = runProgram(program, arguments, out, err);
-  return {code, out.str(), err.str()};
-}
+RunResult run(const std::vector<std::string>& arguments) { return runAs<RawlogProgram>(arguments); }
 
 /// Images of a board in `left` and `right` of a folder that goes away with the test.
 class StereoCalibrate : public testing::Test {

@@ -48,6 +48,24 @@ int runProgram(Program& program, int argc, const char* const* argv) {
   return runProgram(program, std::vector<std::string>(argv + 1, argv + argc), std::cout, std::cerr);
 }
 
+std::string CommandProgram::examples() const {
+  std::string text;
+  for (const auto& command : commands_) text += command->examples();
+  return text;
+}
+
+void CommandProgram::declare(CLI::App& app) {
+  app.require_subcommand(1);
+  for (auto& command : commands_) {
+    CLI::App* sub = app.add_subcommand(command->name(), command->description());
+    sub->footer("Examples:\n" + command->examples());
+    command->declare(*sub);
+    sub->callback([this, at = command.get()] { chosen_ = at; });
+  }
+}
+
+int CommandProgram::run(std::ostream& out, std::ostream& err) { return chosen_->run(out, err); }
+
 void ConfigOptions::declare(CLI::App& app) {
   app.add_option("config", file, "Configuration (.ini); see the folder config/")->required();
   app.add_option("--set", overrides, "Override one key: section.key=value (repeatable)")

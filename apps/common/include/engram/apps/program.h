@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <iosfwd>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,21 @@ class Program {
   virtual void declare(CLI::App& app) = 0;
   /// Does the work. `out` takes results, `err` progress and messages. Throws base::Error on bad input.
   virtual int run(std::ostream& out, std::ostream& err) = 0;
+};
+
+/// A program of subcommands, each a program of its own.
+class CommandProgram : public Program {
+ public:
+  std::string examples() const override;
+  void declare(CLI::App& app) override;
+  int run(std::ostream& out, std::ostream& err) override;
+
+ protected:
+  void add(std::unique_ptr<Program> command) { commands_.push_back(std::move(command)); }
+
+ private:
+  std::vector<std::unique_ptr<Program>> commands_;
+  Program* chosen_ = nullptr;
 };
 
 /// Parses, runs, and turns exceptions into a message and an exit code.
