@@ -14,6 +14,10 @@
 namespace engram::apps {
 namespace {
 
+constexpr const char* kCsvHeader =
+    "index,stamp,label,outcome,place,place_label,best_guess,best_guess_label,posterior,similarity,inliers,"
+    "verdict,best_guess_verdict,error_places,ms,reason";
+
 /// F-26: right is within this many places of the truth.
 constexpr double kRightPlaces = 1.25;
 
@@ -38,12 +42,6 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
-std::string LocalizeFigures::csvHeader() {
-  return "index,stamp,label,outcome,place,place_label,best_guess,best_guess_label,posterior,similarity,"
-         "inliers,"
-         "verdict,best_guess_verdict,error_places,ms,reason\n";
-}
-
 std::string LocalizeFigures::label(base::PlaceId place) const {
   return place.valid() ? map_.place(place).createdLabel : std::string();
 }
@@ -51,8 +49,8 @@ std::string LocalizeFigures::label(base::PlaceId place) const {
 void LocalizeFigures::add(const types::FrameReport& report) {
   evaluation::LocalisationResult result;
   result.accepted = report.outcome == types::Outcome::kRecognised;
-  Judgement guess;
   if (truth_) {
+    Judgement guess;
     result.answerable = truth_->answerable(report);
     if (result.accepted) result.verdict = truth_->judge(map_, report, report.place, -1.0).verdict;
     if (report.bestGuess.valid()) {
@@ -67,8 +65,11 @@ void LocalizeFigures::add(const types::FrameReport& report) {
   milliseconds_.add(report.milliseconds);
   accepted_ += result.accepted;
   learnt_ += report.learnt.size();
-  if (!keepCsv_) return;
+  if (csv_.wanted()) write(report, result);
+}
 
+void LocalizeFigures::write(const types::FrameReport& report, const evaluation::LocalisationResult& result) {
+  if (images() == 1) csv_.add(kCsvHeader);
   const auto id = [](base::PlaceId p) { return p.valid() ? std::to_string(p.value) : std::string(); };
   const types::Hypothesis best = report.hypotheses.empty() ? types::Hypothesis{} : report.hypotheses.front();
   std::ostringstream line;
@@ -77,9 +78,9 @@ void LocalizeFigures::add(const types::FrameReport& report) {
        << ',' << id(report.bestGuess) << ',' << quoted(label(report.bestGuess)) << ',' << std::setprecision(4)
        << best.posterior << ',' << best.similarity << ',' << best.inliers << ',' << word(result.verdict)
        << ',' << word(result.bestGuess) << ',';
-  if (guess.error) line << *guess.error;
-  line << ',' << report.milliseconds << ',' << quoted(report.reason) << '\n';
-  csv_ += line.str();
+  if (result.error) line << *result.error;
+  line << ',' << report.milliseconds << ',' << quoted(report.reason);
+  csv_.add(line.str());
 }
 
 int LocalizeFigures::withinF26() const {

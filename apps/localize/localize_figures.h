@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/apps/map_truth.h"
+#include "engram/base/line_file.h"
 #include "engram/evaluation/running_percentiles.h"
 #include "engram/evaluation/score.h"
 #include "engram/map/topological_map.h"
@@ -16,23 +17,20 @@
 
 namespace engram::apps {
 
-/// The answers of a localisation run, held against the truth where there is one. Without truth and lines for
-/// csv() its memory does not grow: a live run may last for weeks.
+/// The answers of a localisation run, held against the truth where there is one. Without truth its memory
+/// does not grow: a live run may last for weeks.
 class LocalizeFigures {
  public:
-  /// @param keepCsv false keeps no lines for csv()
-  LocalizeFigures(const map::TopologicalMap& map, const MapTruth* truth, bool keepCsv = true)
-      : map_(map), truth_(truth), keepCsv_(keepCsv) {}
+  /// @param csv takes a line an image: index, stamp, label, outcome, place and best guess with the images
+  /// that
+  ///   made them, posterior, similarity, inliers, verdicts, error [places], time [ms]
+  LocalizeFigures(const map::TopologicalMap& map, const MapTruth* truth, base::LineFile& csv)
+      : map_(map), truth_(truth), csv_(csv) {}
 
   void add(const types::FrameReport& report);
   /// Places that learnt after the last image.
   void addLearnt(std::size_t places) { learnt_ += places; }
   int images() const { return milliseconds_.count(); }
-
-  /// One line an image: index, stamp, label, outcome, place and best guess with the images that made them,
-  /// posterior, similarity, inliers, verdicts, error [places], time [ms].
-  std::string csv() const { return csv_; }
-  static std::string csvHeader();
 
   /// Keys: images, queries, answerable, accepted, right, wrong, best_guess_right, within_1_25_places,
   /// error_places {mean, median, p95, max}, adapted, ms_per_image {mean, median, p95, max}, peak_rss_bytes.
@@ -41,17 +39,17 @@ class LocalizeFigures {
   void print(std::ostream& out) const;
 
  private:
+  void write(const types::FrameReport& report, const evaluation::LocalisationResult& result);
   std::string label(base::PlaceId place) const;
   int withinF26() const;
 
   const map::TopologicalMap& map_;
   const MapTruth* truth_;
-  bool keepCsv_;
+  base::LineFile& csv_;
   std::vector<evaluation::LocalisationResult> results_;  // none without truth
   evaluation::RunningPercentiles milliseconds_;
   int accepted_ = 0;
   std::size_t learnt_ = 0;
-  std::string csv_ = csvHeader();
 };
 
 }  // namespace engram::apps

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "localize_program.h"
 
-#include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
+#include "engram/base/line_file.h"
 #include "engram/base/progress.h"
 #include "engram/pipeline/localizer.h"
 #include "engram/store/map_file.h"
@@ -59,8 +59,10 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   if (config_.load(out)) return kOk;
   if (map_.empty() || !input_.given(config_))
     throw base::Error("--map is needed, and --rawlog or --live: which images shall be located?");
-  if (!overwrite_ && !csv_.empty() && fs::exists(csv_))
-    throw base::Error(csv_ + " exists; give --overwrite to replace it");
+  const std::string recordsPath = report_.empty() ? "" : (fs::path(report_) / "images.jsonl").string();
+  for (const std::string& file : {csv_, recordsPath})
+    if (!overwrite_ && !file.empty() && fs::exists(file))
+      throw base::Error(file + " exists; give --overwrite to replace it");
   requireFolderOf(csv_);
   requireFolderOf(json_);
   makeFolder(report_);
@@ -82,8 +84,9 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   window_.open(config_.pipeline, map_, err);
   input_.open(config_, err);
 
-  LocalizeFigures figures(localizer.map(), truth ? &*truth : nullptr, !csv_.empty());
-  std::string records;
+  base::LineFile csv(csv_);
+  base::LineFile records(recordsPath);
+  LocalizeFigures figures(localizer.map(), truth ? &*truth : nullptr, csv);
   base::Progress progress(quiet_ ? nullptr : &err, "localising");
   while (const auto frame = input_.next()) {
     if (global_) localizer.restart();
@@ -93,7 +96,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     if (adapt_) file->commit(localizer.map(), localizer.map().takeChanges(), &report);
     figures.add(report);
     window_.after(*frame, report, localizer.map());
-    if (!report_.empty()) records += store::toJson(report) + "\n";
+    if (records.wanted()) records.add(store::toJson(report));
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
   }
   progress.finish();
@@ -102,20 +105,18 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     file->commit(localizer.map(), localizer.map().takeChanges(), nullptr);
     file->close();
   }
-  return conclude(figures, records, out, err);
+  const int code = conclude(figures, out, err);
+  for (const base::LineFile* lines : {&csv, &records})
+    if (!lines->failure().empty()) err << name() << ": " << lines->failure() << "\n";
+  return csv.failure().empty() && records.failure().empty() ? code : kPartial;
 }
 
-int LocalizeProgram::conclude(const LocalizeFigures& figures, const std::string& records, std::ostream& out,
-                              std::ostream& err) {
+int LocalizeProgram::conclude(const LocalizeFigures& figures, std::ostream& out, std::ostream& err) {
   input_.close();
   stream_.close(err);
   const std::string problem = input_.problem();
   if (figures.images() == 0 && !base::interrupted())
     throw base::Error(problem.empty() ? "no images" : problem);
-  if (!csv_.empty()) base::writeText(csv_, figures.csv(), true);
-  if (!report_.empty()) {
-    base::writeText((fs::path(report_) / "images.jsonl").string(), records, true);
-  }
   auto json = figures.toJson();
   json["live"] = input_.figures();
   writeJson(json_, json);

@@ -23,8 +23,7 @@ class LocalizeProgram : public Program {
   int run(std::ostream& out, std::ostream& err) override;
 
  private:
-  int conclude(const LocalizeFigures& figures, const std::string& records, std::ostream& out,
-               std::ostream& err);
+  int conclude(const LocalizeFigures& figures, std::ostream& out, std::ostream& err);
 
   RunConfig config_;
   RunInput input_;

@@ -138,6 +138,10 @@ TEST_F(LocalizeTest, BadInputIsNamed) {
   writeBytes(path("l.csv"), "precious");
   expectError(run({"--out", path("l.csv")}, rawlog(2)), "l.csv exists; give --overwrite");
   EXPECT_EQ(bytesOf(path("l.csv")), "precious");
+  fs::create_directory(path("r"));
+  writeBytes(path("r/images.jsonl"), "precious");
+  expectError(run({"--report", path("r")}, rawlog(2)), "images.jsonl exists; give --overwrite");
+  EXPECT_EQ(bytesOf(path("r/images.jsonl")), "precious");
   expectError(run({"--set", "place.spacing=far"}, rawlog(2)), "--set");
   expectError(run({"--truth", path("none.tum")}, rawlog(2)), "none.tum");
   writeBytes(path("bad.tum"), "1 2 3\n");
