@@ -159,7 +159,7 @@ TEST_F(RawlogTool, BadInput) {
   makeImages("in", 2, {100, 80});
   makeImages("empty", 0);
   const std::string omni = std::string(ENGRAM_SOURCE_DIR) + "/share/cameras/omni_world.ini";
-  const auto expectError = [](const Result& result, const std::string& part) {
+  const auto expectError = [](const RunResult& result, const std::string& part) {
     EXPECT_EQ(result.code, kError);
     EXPECT_THAT(result.err, HasSubstr(part));
   };
