@@ -18,6 +18,11 @@
 
 namespace engram::apps {
 namespace fs = std::filesystem;
+namespace {
+
+constexpr int kTeachesOnly = -1;  // the session of a drive that has no path in the map
+
+}  // namespace
 
 std::string LocalizeProgram::description() const {
   return "Says where the images of a rawlog or of a live camera were taken in a map. The map does not "
@@ -39,7 +44,10 @@ void LocalizeProgram::declare(CLI::App& app) {
   config_.declare(app);
   app.add_option("--map", map_, "Map made by engram-slam");
   input_.declare(app);
-  app.add_flag("--adapt", adapt_, "Let recognised places learn; the map file is changed");
+  const auto adapt = app.add_flag("--adapt", adapt_, "Let recognised places learn; the map file is changed");
+  app.add_flag("--resume", resume_, "Finish a drive with --adapt that was cut off")->needs(adapt);
+  app.add_flag("--again", again_, "With --adapt: learn from a rawlog that the map has learnt before")
+      ->needs(adapt);
   app.add_flag("--global", global_,
                "Forget the belief before every image: global localisation of single images");
   app.add_option("--truth", truth_,
@@ -67,13 +75,12 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   requireFolderOf(json_);
   makeFolder(report_);
 
-  std::optional<store::MapFile> file = store::MapFile::open(map_, store::Access::kReadOnly);
-  pipeline::Localizer localizer(config_.pipeline, file->load(), adapt_);
-  store::requireCompatible(file->header(), localizer.header(), map_);
-  if (adapt_) {
-    file.reset();  // a map that is refused keeps every byte
-    file = store::MapFile::open(map_, store::Access::kReadWrite);
+  std::optional<store::DriveWriter> drive = openToAdapt(err);
+  if (drive && drive->complete()) {
+    if (!quiet_) out << map_ << ": holds the whole drive already; nothing to resume\n";
+    return kOk;
   }
+  pipeline::Localizer localizer = open(drive ? &*drive : nullptr);
   std::optional<MapTruth> truth;
   if (!truth_.empty()) {
     truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
@@ -89,26 +96,45 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   LocalizeFigures figures(localizer.map(), truth ? &*truth : nullptr, csv);
   base::Progress progress(quiet_ ? nullptr : &err, "localising");
   while (const auto frame = input_.next()) {
+    if (drive && figures.images() == 0) drive->begin(*frame, kTeachesOnly, localizer.header());
     if (global_) localizer.restart();
     types::FrameReport report = localizer.process(*frame);
     input_.annotate(report);
-    stream_.sendLocalised(report, localizer.map());
-    if (adapt_) file->commit(localizer.map(), localizer.map().takeChanges(), &report);
+    if (drive) drive->add(localizer.map(), report);
+    if (!drive || !drive->replayed()) stream_.sendLocalised(report, localizer.map());
     figures.add(report);
     window_.after(*frame, report, localizer.map());
     if (records.wanted()) records.add(store::toJson(report));
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
   }
   progress.finish();
-  if (adapt_) {
+  if (drive && figures.images() > 0) {
     figures.addLearnt(localizer.finish().size());
-    file->commit(localizer.map(), localizer.map().takeChanges(), nullptr);
-    file->close();
+    drive->end(localizer.map(), input_.exitCode() == kOk);
+    drive->file().close();
   }
   const int code = conclude(figures, out, err);
   for (const base::LineFile* lines : {&csv, &records})
     if (!lines->failure().empty()) err << name() << ": " << lines->failure() << "\n";
   return csv.failure().empty() && records.failure().empty() ? code : kPartial;
+}
+
+std::optional<store::DriveWriter> LocalizeProgram::openToAdapt(std::ostream& err) {
+  if (!adapt_) return std::nullopt;
+  const store::DriveOptions options{.extend = true, .resume = resume_, .again = again_};
+  if (!resume_) return store::DriveWriter(map_, options, input_.source(config_));
+  input_.open(config_, err);
+  if (input_.live()) throw base::Error("--resume goes with --rawlog");
+  return store::DriveWriter(map_, options, input_.source(config_), input_.peek());
+}
+
+/// A frozen map is read once and let go: others may write it meanwhile.
+pipeline::Localizer LocalizeProgram::open(store::DriveWriter* drive) const {
+  std::optional<store::MapFile> frozen;
+  if (drive == nullptr) frozen = store::MapFile::open(map_, store::Access::kReadOnly);
+  pipeline::Localizer localizer(config_.pipeline, frozen ? frozen->load() : drive->load(), adapt_);
+  store::requireCompatible(frozen ? frozen->header() : *drive->header(), localizer.header(), map_);
+  return localizer;
 }
 
 int LocalizeProgram::conclude(const LocalizeFigures& figures, std::ostream& out, std::ostream& err) {

@@ -7,8 +7,11 @@
 #include "engram/apps/run_input.h"
 #include "engram/apps/run_stream.h"
 #include "engram/apps/run_window.h"
+#include "engram/pipeline/localizer.h"
+#include "engram/store/drive_writer.h"
 #include "localize_figures.h"
 
+#include <optional>
 #include <string>
 
 namespace engram::apps {
@@ -23,6 +26,8 @@ class LocalizeProgram : public Program {
   int run(std::ostream& out, std::ostream& err) override;
 
  private:
+  std::optional<store::DriveWriter> openToAdapt(std::ostream& err);
+  pipeline::Localizer open(store::DriveWriter* drive) const;
   int conclude(const LocalizeFigures& figures, std::ostream& out, std::ostream& err);
 
   RunConfig config_;
@@ -32,7 +37,7 @@ class LocalizeProgram : public Program {
   std::string map_, truth_, csv_, report_, json_;
   double truthRadius_ = 1.0;
   int truthMargin_ = 0;
-  bool adapt_ = false, overwrite_ = false, quiet_ = false, global_ = false;
+  bool adapt_ = false, overwrite_ = false, quiet_ = false, global_ = false, resume_ = false, again_ = false;
 };
 
 }  // namespace engram::apps

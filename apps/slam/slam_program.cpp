@@ -26,6 +26,7 @@ std::string SlamProgram::description() const {
 std::string SlamProgram::examples() const {
   return "  engram-slam config/fsh_omni.ini --rawlog day1.rawlog --map office.engram\n"
          "  engram-slam config/fsh_omni.ini --rawlog day2.rawlog --map office.engram --extend\n"
+         "  engram-slam config/fsh_omni.ini --rawlog day2.rawlog --map office.engram --extend --resume\n"
          "  engram-slam config/fsh_mono.ini --rawlog walk.rawlog --set extractor.extractor=akaze\n"
          "  engram-slam robot.ini --live front --map office.engram --record today.rawlog --stream "
          "/tmp/engram\n"
@@ -36,9 +37,15 @@ void SlamProgram::declare(CLI::App& app) {
   config_.declare(app);
   input_.declare(app);
   app.add_option("--map", map_, "Map file to write (default: the rawlog's name with .engram)");
-  const auto overwrite = app.add_flag("--overwrite", overwrite_, "Replace an existing map");
-  app.add_flag("--extend", extend_, "Go on with an existing map: wake up in it, update and enlarge it")
+  const auto overwrite = app.add_flag("--overwrite", drive_.overwrite, "Replace an existing map");
+  app.add_flag("--extend", drive_.extend, "Go on with an existing map: wake up in it, update and enlarge it")
       ->excludes(overwrite);
+  app.add_flag(
+         "--resume", drive_.resume,
+         "Finish a drive that was cut off: given beside the options of the first time, it ends with the "
+         "same map")
+      ->excludes(overwrite);
+  app.add_flag("--again", drive_.again, "With --extend: learn a rawlog that the map has learnt before");
   app.add_option("--report", report_,
                  "Folder for summary, scene, graph, trajectory and the record of every image");
   app.add_option("--truth", truth_, "Ground truth, to count false closures and measure the trajectory");
@@ -61,27 +68,24 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   if (!input_.given(config_))
     throw base::Error("--rawlog or --live is missing: which images shall be mapped?");
   const std::string path = mapPath();
-  if (!extend_ && !overwrite_ && fs::exists(path))
-    throw base::Error(path + " exists; give --overwrite to replace it or --extend to go on with it");
   requireFolderOf(json_);
   makeFolder(report_);
 
   std::optional<MapTruth> truth;
   if (!truth_.empty()) truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
-  std::optional<store::MapFile> file;
-  if (extend_) file = store::MapFile::open(path, store::Access::kReadOnly);
-  map::TopologicalMap known;
-  if (file) known = file->load();
+  store::DriveWriter drive = openMap(path, err);
+  if (drive.complete()) {
+    if (!quiet_) out << path << ": holds the whole drive already; nothing to resume\n";
+    return kOk;
+  }
+  map::TopologicalMap known = drive.load();
   const int keep = config_.pipeline.upkeep.keep_drives;
-  if (keep > 0) known.forgetPath(known.nextSession() - keep);
+  const int firstKept = keep > 0 ? known.nextSession() - keep : 0;
+  known.forgetPath(firstKept);
   const auto builder = pipeline::makeMapBuilder(config_.pipeline, std::move(known));
   pipeline::MapBuilder& mapper = *builder;
-  if (file) {
-    store::requireCompatible(file->header(), mapper.header(), path);
-    file.reset();  // a map that is refused keeps every byte
-    file = store::MapFile::open(path, store::Access::kReadWrite);
-    if (keep > 0 && !mapper.map().path().empty()) file->forgetRecords(mapper.map().path().front().stamp);
-  }
+  if (drive.header() != nullptr) store::requireCompatible(*drive.header(), mapper.header(), path);
+  drive.forget(mapper.map(), firstKept);
   stream_.open(path);
   window_.open(config_.pipeline, path, err);
   input_.open(config_, err);
@@ -89,12 +93,12 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   SlamFigures figures;
   base::Progress progress(quiet_ ? nullptr : &err, "mapping");
   while (const auto frame = input_.next()) {
+    if (figures.images() == 0) drive.begin(*frame, mapper.session(), headerFor(mapper, *frame));
     types::FrameReport report = mapper.process(*frame);
     input_.annotate(report);
-    stream_.sendMapped(report, *frame, mapper.map());
     if (truth) truth->survey(mapper.map(), report);
-    if (!file) file = createMap(path, mapper, *frame);
-    file->commit(mapper.map(), mapper.map().takeChanges(), &report);
+    drive.add(mapper.map(), report);
+    if (!drive.replayed()) stream_.sendMapped(report, *frame, mapper.map());
     figures.add(report, mapper.map(), truth ? &*truth : nullptr);
     window_.after(*frame, report, mapper.map());
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
@@ -105,16 +109,24 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     throw base::Error(input_.problem().empty() ? "no images" : input_.problem());
   }
   mapper.finish();
-  file->commit(mapper.map(), mapper.map().takeChanges());
-  return conclude(*file, mapper, figures, truth ? &*truth : nullptr, out, err);
+  drive.end(mapper.map(), input_.exitCode() == kOk);
+  return conclude(drive.file(), mapper, figures, truth ? &*truth : nullptr, out, err);
 }
 
-store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::MapBuilder& mapper,
-                                      const types::Frame& first) {
+/// The images are opened first where a drive is to be resumed: the first one tells which it is.
+store::DriveWriter SlamProgram::openMap(const std::string& path, std::ostream& err) {
+  if (!drive_.resume) return {path, drive_, input_.source(config_)};
+  if (!config_.liveSection.empty())
+    throw base::Error("--resume goes with --rawlog: what a live camera saw is gone, unless --record kept it");
+  input_.open(config_, err);
+  return {path, drive_, input_.source(config_), input_.peek()};
+}
+
+map::MapHeader SlamProgram::headerFor(const pipeline::MapBuilder& mapper, const types::Frame& first) const {
   map::MapHeader header = mapper.header();
   header.parameters = config_.dumpForMap();
   header.firstStamp = first.stamp;
-  return store::MapFile::create(path, header, overwrite_);
+  return header;
 }
 
 int SlamProgram::conclude(store::MapFile& file, const pipeline::MapBuilder& mapper, SlamFigures& figures,

@@ -9,7 +9,7 @@
 #include "engram/apps/run_stream.h"
 #include "engram/apps/run_window.h"
 #include "engram/pipeline/map_builder.h"
-#include "engram/store/map_file.h"
+#include "engram/store/drive_writer.h"
 #include "slam_figures.h"
 
 #include <optional>
@@ -28,8 +28,8 @@ class SlamProgram : public Program {
 
  private:
   std::string mapPath() const;
-  store::MapFile createMap(const std::string& path, const pipeline::MapBuilder& mapper,
-                           const types::Frame& first);
+  store::DriveWriter openMap(const std::string& path, std::ostream& err);
+  map::MapHeader headerFor(const pipeline::MapBuilder& mapper, const types::Frame& first) const;
   int conclude(store::MapFile& file, const pipeline::MapBuilder& mapper, SlamFigures& figures,
                const MapTruth* truth, std::ostream& out, std::ostream& err);
   void writeReport(const store::MapFile& file, const map::TopologicalMap& map) const;
@@ -41,7 +41,8 @@ class SlamProgram : public Program {
   std::string map_, report_, truth_, json_;
   double truthRadius_ = 2.0;
   int truthMargin_ = 0;
-  bool overwrite_ = false, extend_ = false, quiet_ = false;
+  store::DriveOptions drive_;
+  bool quiet_ = false;
 };
 
 }  // namespace engram::apps

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // One map, a program that writes it and others that read it.
+#include "engram/store/drive_writer.h"
 #include "engram/store/map_file.h"
 #include "sample_map.h"
 #include "store_fixture.h"
@@ -11,7 +12,10 @@
 #include <sqlite3.h>
 
 #include <chrono>
+#include <csignal>
+#include <sys/wait.h>
 #include <thread>
+#include <unistd.h>
 
 namespace engram::store {
 namespace {
@@ -21,22 +25,67 @@ using ::testing::HasSubstr;
 
 using SharingTest = StoreTest;
 
-TEST_F(SharingTest, ReadersAndOneWriterGetAlong) {
+/// A reader sees the map as it was when it was opened, all of it of one moment.
+TEST_F(SharingTest, AReaderKeepsItsMomentWhileAWriterGoesOn) {
   auto map = ringMap(4);
+  const auto report = sampleReport();
   MapFile writer = MapFile::create(path("a.engram"), sampleHeader());
-  writer.commit(map, map.takeChanges());
+  writer.commit(map, map.takeChanges(), &report);
+  const std::string before = text(sampleHeader(), map.content(), {report});
   const MapFile reader = MapFile::open(path("a.engram"), Access::kReadOnly);
-  EXPECT_EQ(reader.load().places().size(), 4u);
-  map.addPlace({});
-  writer.commit(map, map.takeChanges());
-  EXPECT_EQ(reader.load().places().size(), 5u);
-  MapFile second = MapFile::open(path("a.engram"), Access::kReadWrite);
-  map.addPlace({});
-  writer.commit(map, map.takeChanges());
-  auto loaded = second.load();
-  loaded.addPlace({});
-  EXPECT_THAT(messageOf([&] { second.commit(loaded, loaded.takeChanges()); }), HasSubstr("another program"));
-  EXPECT_EQ(reader.load().places().size(), 6u);
+  for (int k = 0; k < 3; ++k) {
+    map.addPlace({});
+    writer.commit(map, map.takeChanges(), &report);
+    EXPECT_EQ(text(reader.header(), reader.load().content(), reader.records()), before);
+    EXPECT_THAT(reader.check(), ::testing::IsEmpty());
+  }
+  EXPECT_EQ(MapFile::open(path("a.engram"), Access::kReadOnly).load().places().size(), 7u);
+}
+
+TEST_F(SharingTest, ASecondWriterIsRefusedAtItsStart) {
+  auto map = ringMap(4);
+  const std::string name = path("a.engram");
+  {
+    MapFile writer = MapFile::create(name, sampleHeader());
+    writer.commit(map, map.takeChanges());
+    const std::string self = "process " + std::to_string(getpid());
+    std::filesystem::create_symlink(name, path("link.engram"));
+    for (const std::string& way : {name, path("link.engram")}) {
+      EXPECT_THAT(messageOf([&] { MapFile::open(way, Access::kReadWrite); }),
+                  AllOf(HasSubstr("being written by"), HasSubstr(self), HasSubstr("since 2")));
+      EXPECT_THAT(messageOf([&] { MapFile::create(way, sampleHeader(), true); }), HasSubstr(self));
+      EXPECT_THAT(messageOf([&] { DriveWriter(way, {.overwrite = true}, "b"); }), HasSubstr(self));
+      EXPECT_THAT(messageOf([&] { DriveWriter(way, {.extend = true}, "b"); }), HasSubstr(self));
+    }
+    map.addPlace({});
+    writer.commit(map, map.takeChanges());
+  }
+  EXPECT_FALSE(std::filesystem::exists(name + "-lock"));
+  EXPECT_EQ(MapFile::open(name, Access::kReadWrite).load().places().size(), 5u);
+}
+
+/// A lock that outlived its process would keep the robot out for ever.
+TEST_F(SharingTest, TheLockDiesWithItsProcess) {
+  const std::string name = path("a.engram");
+  int ready[2];
+  ASSERT_EQ(pipe(ready), 0);
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const MapFile writer = MapFile::create(name, sampleHeader());
+    [[maybe_unused]] const auto told = write(ready[1], "x", 1);
+    pause();
+  }
+  char byte = 0;
+  ASSERT_EQ(read(ready[0], &byte, 1), 1);
+  EXPECT_THAT(messageOf([&] { MapFile::open(name, Access::kReadWrite); }),
+              HasSubstr("process " + std::to_string(child)));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_TRUE(std::filesystem::exists(name + "-lock"));
+  EXPECT_NO_THROW(MapFile::open(name, Access::kReadWrite));
+  close(ready[0]);
+  close(ready[1]);
 }
 
 /// The log stays beside the file then, and the next writer folds it in.

@@ -7,9 +7,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
 #include <iomanip>
 #include <ostream>
 #include <sstream>
+#include <utility>
 
 namespace engram::apps {
 namespace {
@@ -35,6 +37,7 @@ void RunInput::declare(CLI::App& app) {
 }
 
 void RunInput::open(const RunConfig& config, std::ostream& notices) {
+  if (offline_ || live_) return;
   notices_ = &notices;
   const bool wantsLive = !config.liveSection.empty();
   if (wantsLive && !rawlog_.empty()) throw base::Error("--rawlog and --live: give one of them");
@@ -57,8 +60,18 @@ void RunInput::open(const RunConfig& config, std::ostream& notices) {
                                                 [this] { return base::interrupted() || isOverdue(); });
 }
 
+std::string RunInput::source(const RunConfig& config) const {
+  return rawlog_.empty() ? config.liveSection : std::filesystem::path(rawlog_).filename().string();
+}
+
+const types::Frame* RunInput::peek() {
+  if (!peeked_) peeked_ = offline_->next();
+  return peeked_ ? &*peeked_ : nullptr;
+}
+
 std::optional<types::Frame> RunInput::next() {
   if (base::interrupted()) return std::nullopt;
+  if (peeked_) return std::exchange(peeked_, std::nullopt);
   if (offline_) return offline_->next();
   auto frame = live_->next();
   passOn();

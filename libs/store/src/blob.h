@@ -26,7 +26,8 @@ enum class RowKind : std::uint8_t {
   kView = 'V',
   kEdge = 'E',
   kPath = 'T',
-  kFeatures = 'F'
+  kFeatures = 'F',
+  kDrive = 'D'
 };
 
 /// CRC-32 of zlib.

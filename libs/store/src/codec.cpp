@@ -8,7 +8,8 @@ namespace engram::store {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;       // of every kind of row
-constexpr std::uint8_t kStateVersion = 2;  // but of these
+constexpr std::uint8_t kStateVersion = 3;  // but of these
+constexpr std::uint8_t kStateWithRedetections = 2;
 constexpr std::uint8_t kPlaceVersion = 2;
 constexpr std::uint8_t kFeaturesVersion = 2;  // rows with features; 1 without ranges
 
@@ -136,11 +137,12 @@ memory::Redetections getRedetections(BlobReader& in) {
 }  // namespace
 
 Blob encode(const MapState& s) {
-  const bool learnt = s.redetections.views > 0;
-  BlobWriter out(RowKind::kState, learnt ? kStateVersion : kVersion);
+  const bool learnt = s.redetections.views > 0, forgot = s.firstRecord > 0;
+  BlobWriter out(RowKind::kState, forgot ? kStateVersion : learnt ? kStateWithRedetections : kVersion);
   for (const std::uint32_t v : {s.nextPlace, s.nextView, s.nextEdge}) out.put(v);
   for (const std::uint64_t v : {s.commits, s.places, s.views, s.edges, s.path, s.records}) out.put(v);
-  if (learnt) putRedetections(out, s.redetections);
+  if (learnt || forgot) putRedetections(out, s.redetections);
+  if (forgot) out.put(s.firstRecord);
   return std::move(out).seal(0);
 }
 
@@ -150,7 +152,8 @@ MapState decodeState(std::span<const std::uint8_t> row) {
   for (std::uint32_t* v : {&s.nextPlace, &s.nextView, &s.nextEdge}) *v = in.get<std::uint32_t>();
   for (std::uint64_t* v : {&s.commits, &s.places, &s.views, &s.edges, &s.path, &s.records})
     *v = in.get<std::uint64_t>();
-  if (in.version() >= 2) s.redetections = getRedetections(in);
+  if (in.version() >= kStateWithRedetections) s.redetections = getRedetections(in);
+  if (in.version() >= kStateVersion) s.firstRecord = in.get<std::uint64_t>();
   in.requireEnd();
   return s;
 }
@@ -337,6 +340,35 @@ map::PathPoint decodePathPoint(std::span<const std::uint8_t> row, std::uint64_t 
   point.T_anchor_robot = getPose(in);
   in.requireEnd();
   return point;
+}
+
+Blob encode(const Drive& drive) {
+  BlobWriter out(RowKind::kDrive, kVersion);
+  out.put(static_cast<std::int32_t>(drive.session));
+  out.text(drive.source);
+  out.put(drive.fingerprint);
+  out.put(drive.firstStamp);
+  out.put(drive.lastStamp);
+  out.put(drive.firstRecord);
+  out.put(drive.images);
+  out.put(static_cast<std::uint8_t>(drive.finished ? 1 : 0));
+  return std::move(out).seal(drive.id);
+}
+
+Drive decodeDrive(std::span<const std::uint8_t> row, std::uint64_t id) {
+  BlobReader in(row, RowKind::kDrive, kVersion, id);
+  Drive drive;
+  drive.id = static_cast<std::uint32_t>(id);
+  drive.session = in.get<std::int32_t>();
+  drive.source = in.text();
+  drive.fingerprint = in.get<std::uint32_t>();
+  drive.firstStamp = in.get<double>();
+  drive.lastStamp = in.get<double>();
+  drive.firstRecord = in.get<std::uint64_t>();
+  drive.images = in.get<std::uint64_t>();
+  drive.finished = in.get<std::uint8_t>() != 0;
+  in.requireEnd();
+  return drive;
 }
 
 }  // namespace engram::store

@@ -4,6 +4,7 @@
 
 #include "blob.h"
 #include "engram/map/map_content.h"
+#include "engram/store/drive.h"
 
 namespace engram::store {
 
@@ -13,6 +14,9 @@ struct MapState {
   std::uint32_t nextPlace = 0, nextView = 0, nextEdge = 0;
   std::uint64_t places = 0, views = 0, edges = 0, path = 0, records = 0;
   memory::Redetections redetections;  ///< since version 2 of the row; without any, version 1 is written
+  std::uint64_t firstRecord = 0;      ///< number of the oldest record; since version 3 of the row
+
+  std::uint64_t nextRecord() const { return firstRecord + records; }
 };
 
 // Rows as sealed blobs. Floating point numbers keep every bit, so that a map read again equals the one
@@ -26,6 +30,7 @@ Blob encodeFeatures(const types::Features& features, std::uint64_t row);
 Blob encode(const map::View& view);
 Blob encode(const map::Edge& edge);
 Blob encode(const map::PathPoint& point, std::uint64_t row);
+Blob encode(const Drive& drive);
 
 // The reverse; throw base::Error on any damage, without naming the row.
 MapState decodeState(std::span<const std::uint8_t> row);
@@ -35,5 +40,6 @@ types::Features decodeFeatures(std::span<const std::uint8_t> row, std::uint64_t 
 map::View decodeView(std::span<const std::uint8_t> row, std::uint64_t id);
 map::Edge decodeEdge(std::span<const std::uint8_t> row, std::uint64_t id);
 map::PathPoint decodePathPoint(std::span<const std::uint8_t> row, std::uint64_t index);
+Drive decodeDrive(std::span<const std::uint8_t> row, std::uint64_t id);
 
 }  // namespace engram::store

@@ -17,6 +17,8 @@ namespace fs = std::filesystem;
 
 /// Other programs may hold the file for the time of one commit.
 constexpr int kBusyTimeoutMs = 5000;
+/// A program that reads a large map takes as long; writing begins after it.
+constexpr int kReadersTimeoutMs = 60000;
 /// No row is larger; bounds what a damaged length can make us allocate.
 constexpr int kMaxRowBytes = 256 << 20;
 
@@ -136,9 +138,26 @@ Database::Database(const std::string& path, Mode mode) : path_(path) {
     return;
   }
   connect(file, SQLITE_OPEN_READWRITE | (mode == Mode::kCreate ? SQLITE_OPEN_CREATE : 0));
+  // Pages that a drive has freed are given back to the disk at its end.
+  if (mode == Mode::kCreate) execute("PRAGMA auto_vacuum = INCREMENTAL");
+}
+
+void Database::beginSnapshot() {
+  execute("BEGIN");
+  number("SELECT count(*) FROM sqlite_master");  // a transaction begins with what is read first
+}
+
+void Database::beginWriting() {
   // The log makes a commit cheap and safe when the process is killed; FULL makes it safe when the power
   // fails.
-  execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
+  sqlite3_busy_timeout(handle_.get(), kReadersTimeoutMs);
+  const int code = sqlite3_exec(handle_.get(), "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;",
+                                nullptr, nullptr, nullptr);
+  sqlite3_busy_timeout(handle_.get(), kBusyTimeoutMs);
+  if ((code & 0xff) == SQLITE_BUSY)
+    throw base::Error("map '" + path_ + "': another program has been reading it for " +
+                      std::to_string(kReadersTimeoutMs / 1000) + " s. Wait until it has ended");
+  if (code != SQLITE_OK) fail(code);
 }
 
 void Database::Close::operator()(sqlite3* handle) const { sqlite3_close(handle); }

@@ -52,6 +52,10 @@ class Database {
 
   void execute(const char* sql);
   std::int64_t number(const char* sql);
+  /// What is read from now on is of one moment, whatever a writer does.
+  void beginSnapshot();
+  /// Makes ready for commits. Waits while others read; no byte changes before this call.
+  void beginWriting();
   /// Makes it one file again before it is closed. Leaving the log mode needs the file for oneself: while
   /// others read it the log stays beside it, empty, and the next writer leaves the mode.
   void foldLog();

@@ -100,7 +100,7 @@ void dumpHeader(std::ostream& out, const map::MapHeader& h) {
 }  // namespace
 
 void dump(std::ostream& out, const map::MapHeader& header, const map::MapContent& content,
-          const std::vector<types::FrameReport>& records) {
+          const std::vector<types::FrameReport>& records, const std::vector<Drive>& drives) {
   dumpHeader(out, header);
   out << "next " << content.nextPlace << ' ' << content.nextView << ' ' << content.nextEdge << '\n';
   dumpRedetections(out, content.redetections);
@@ -127,6 +127,10 @@ void dump(std::ostream& out, const map::MapHeader& header, const map::MapContent
   for (const auto& p : content.path)
     out << "path session " << p.session << " stamp " << exact(p.stamp) << " anchor " << p.anchor.value
         << " pose " << pose(p.T_anchor_robot) << '\n';
+  for (const auto& d : drives)
+    out << "drive " << d.id << " session " << d.session << " source " << oneLine(d.source) << " first_image "
+        << d.fingerprint << " stamps " << exact(d.firstStamp) << ' ' << exact(d.lastStamp) << " first_record "
+        << d.firstRecord << " images " << d.images << (d.finished ? " finished" : " cut_off") << '\n';
   for (const auto& r : records) out << "record " << toJson(r, false) << '\n';
 }
 

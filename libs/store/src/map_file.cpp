@@ -6,31 +6,20 @@
 #include "engram/base/error.h"
 #include "engram/store/report_json.h"
 #include "map_reader.h"
+#include "schema.h"
+#include "undo.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <optional>
+#include <stdexcept>
 
 namespace engram::store {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::int64_t kApplicationId = 0x456E676D;  // "Engm"; bytes 68 to 71 of the file
-
-constexpr const char* kSchema = R"(
-  PRAGMA application_id = 0x456E676D;
-  PRAGMA user_version = 1;
-  CREATE TABLE header   (key TEXT NOT NULL, value TEXT NOT NULL, crc INTEGER NOT NULL);
-  CREATE TABLE state    (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
-  CREATE TABLE places   (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
-  CREATE TABLE memories (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
-  CREATE TABLE views    (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
-  CREATE TABLE edges    (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
-  CREATE TABLE path     (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
-  CREATE TABLE records  (id INTEGER PRIMARY KEY, json TEXT NOT NULL, crc INTEGER NOT NULL);
-)";
-static_assert(kFormatVersion == 1, "change user_version above too");
 
 /// Does the file begin like a map? Without SQLite, so that damaged maps may be overwritten too.
 bool looksLikeMap(const std::string& path) {
@@ -47,7 +36,7 @@ void removeOld(const std::string& path, bool overwrite) {
   if (!fs::is_regular_file(path) || !looksLikeMap(path))
     throw base::Error("'" + path + "' exists and is not an Engram map: it is not overwritten");
   std::error_code error;
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"})
+  for (const char* suffix : {"-wal", "-shm", "-journal", ""})
     if (!fs::remove(path + suffix, error) && error)
       throw base::Error("cannot overwrite map '" + path + "': " + error.message());
 }
@@ -80,28 +69,89 @@ void writeState(Database& database, const MapState& state) {
   Statement(database, "INSERT OR REPLACE INTO state VALUES (0, ?)").bind(1, row).run();
 }
 
-/// Deletes the rows of what the map has no more.
-void remove(Database& database, const map::MapChanges& changes) {
-  const auto from = [&](const char* table, const auto& ids) {
-    if (ids.empty()) return;
-    Statement gone(database, ("DELETE FROM " + std::string(table) + " WHERE id = ?").c_str());
-    for (const auto id : ids) gone.bind(1, std::uint64_t{id.value}).run();
-  };
-  from("places", changes.removedPlaces);
-  from("memories", changes.removedPlaces);
-  from("views", changes.removedViews);
-  from("edges", changes.removedEdges);
+void writeDrive(Database& database, const Drive& drive) {
+  const Blob row = encode(drive);
+  Statement(database, "INSERT OR REPLACE INTO drives VALUES (?, ?)").bind(1, drive.id).bind(2, row).run();
 }
 
-void requireMap(Database& database) {
-  if (database.number("PRAGMA application_id") != kApplicationId)
-    throw base::Error("map '" + database.path() + "': it is not an Engram map");
-  const auto version = database.number("PRAGMA user_version");
-  if (version > kFormatVersion)
-    throw base::Error("map '" + database.path() + "' has format " + std::to_string(version) +
-                      "; this program reads up to " + std::to_string(kFormatVersion) +
-                      ". Use a newer Engram");
-  if (version < 1) throw base::Error("map '" + database.path() + "' is damaged: it has no format version");
+/// What the totals of a map say after this content was written.
+MapState stateOf(const map::MapContent& content, const MapState& before) {
+  MapState next = before;
+  next.nextPlace = content.nextPlace;
+  next.nextView = content.nextView;
+  next.nextEdge = content.nextEdge;
+  next.places = content.places.size();
+  next.views = content.views.size();
+  next.edges = content.edges.size();
+  next.path = content.path.size();
+  next.redetections = content.redetections;
+  return next;
+}
+
+/// Writes and deletes rows, and keeps what they were for Undo.
+class RowWriter {
+ public:
+  RowWriter(Database& database, Undo& undo, const RowTable& table)
+      : database_(database),
+        undo_(undo),
+        table_(table),
+        put_(database, ("INSERT OR REPLACE INTO " + std::string(table.name) + " VALUES (?, ?)").c_str()) {}
+
+  void put(std::uint64_t id, const Blob& row) {
+    undo_.keep(database_, table_, id);
+    put_.bind(1, id).bind(2, row).run();
+  }
+  template <class Ids>
+  void remove(const Ids& ids) {
+    if (ids.empty()) return;
+    Statement gone(database_, ("DELETE FROM " + std::string(table_.name) + " WHERE id = ?").c_str());
+    for (const auto id : ids) {
+      undo_.keep(database_, table_, id.value);
+      gone.bind(1, std::uint64_t{id.value}).run();
+    }
+  }
+  void removeAll() {
+    undo_.keepAll(database_, table_);
+    database_.execute(("DELETE FROM " + std::string(table_.name)).c_str());
+  }
+
+ private:
+  Database& database_;
+  Undo& undo_;
+  RowTable table_;
+  Statement put_;
+};
+
+void writeRows(Database& database, Undo& undo, const map::TopologicalMap& map,
+               const map::MapChanges& changes) {
+  const map::MapContent& content = map.content();
+  RowWriter places(database, undo, kPlaceRows), memories(database, undo, kMemoryRows),
+      views(database, undo, kViewRows), edges(database, undo, kEdgeRows), path(database, undo, kPathRows);
+  for (const auto id : changes.places) places.put(id.value, encode(map.place(id)));
+  for (const auto id : changes.memories) memories.put(id.value, encodeMemory(id, map.place(id).memory));
+  for (const auto id : changes.views) views.put(id.value, encode(content.views.at(id)));
+  for (const auto id : changes.edges) edges.put(id.value, encode(map.edge(id)));
+  places.remove(changes.removedPlaces);
+  memories.remove(changes.removedPlaces);
+  views.remove(changes.removedViews);
+  edges.remove(changes.removedEdges);
+  if (changes.pathForgotten) path.removeAll();
+  for (const std::size_t i : changes.movedPathPoints) path.put(i, encode(content.path[i], i));
+  for (std::size_t i = changes.firstNewPathPoint; i < changes.pathSize; ++i)
+    path.put(i, encode(content.path[i], i));
+}
+
+void requireCreatable(const std::string& path) {
+  if (path.empty()) throw base::Error("the map needs a file name");
+  const std::string folder = fs::absolute(path).parent_path().string();
+  if (!fs::is_directory(folder))
+    throw base::Error("cannot create map '" + path + "': folder '" + folder + "' does not exist");
+}
+
+void requireFile(const std::string& path) {
+  if (!fs::exists(path)) throw base::Error("map '" + path + "' does not exist");
+  if (!fs::is_regular_file(path)) throw base::Error("map '" + path + "' is not a file");
+  if (fs::file_size(path) == 0) throw base::Error("map '" + path + "' is empty");
 }
 
 }  // namespace
@@ -116,13 +166,73 @@ struct MapFile::Impl {
     if (!database) throw base::Error("map '" + name + "' is closed");
     return *database;
   }
+  /// The first call makes the file ready to be written.
+  Database& openForWriting();
+  Drive& currentDrive() {
+    if (!drive) throw std::logic_error("MapFile: no drive was begun");
+    return *drive;
+  }
 
-  std::unique_ptr<Database> database;
+  std::optional<WriterLock> lock;
+  std::unique_ptr<Database> database;  // after the lock: closed before that is given back
   std::string name;
   bool writable;
+  bool ready = false;  ///< for writing
+  int version = kFormatVersion;
   map::MapHeader header;
   MapState state;
+  std::optional<Drive> drive;  ///< under way
+  Undo undo;
 };
+
+/// One transaction. What it wrote counts only after commit().
+class MapFile::Edit {
+ public:
+  explicit Edit(Impl& impl)
+      : impl_(impl), transaction_(impl.openForWriting()), next(impl.state), drive(impl.drive) {
+    if (MapReader(database()).state().commits != impl.state.commits)
+      throw base::Error("map '" + impl.name +
+                        "': another program has changed it meanwhile. Only one may write a map");
+    ++next.commits;
+  }
+  ~Edit() { impl_.undo.settle(committed_); }
+  Edit(const Edit&) = delete;
+  Edit& operator=(const Edit&) = delete;
+
+  Database& database() { return *impl_.database; }
+  void commit() {
+    writeState(database(), next);
+    if (drive) writeDrive(database(), *drive);
+    transaction_.commit();
+    impl_.state = next;
+    impl_.drive = drive;
+    committed_ = true;
+  }
+
+ private:
+  Impl& impl_;
+  Transaction transaction_;
+  bool committed_ = false;
+
+ public:
+  MapState next;               ///< of the map after this
+  std::optional<Drive> drive;  ///< under way after this
+};
+
+Database& MapFile::Impl::openForWriting() {
+  if (!writable) throw base::Error("map '" + name + "' was opened for reading only");
+  Database& opened = open();
+  if (ready) return opened;
+  opened.beginWriting();
+  if (version < kFormatVersion) {
+    Transaction transaction(opened);
+    upgradeSchema(opened, version);
+    transaction.commit();
+    version = kFormatVersion;
+  }
+  ready = true;
+  return opened;
+}
 
 MapFile::MapFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MapFile::MapFile(MapFile&&) noexcept = default;
@@ -137,33 +247,40 @@ MapFile::~MapFile() {
 }
 
 MapFile MapFile::create(const std::string& path, const map::MapHeader& header, bool overwrite) {
-  if (path.empty()) throw base::Error("the map needs a file name");
+  requireCreatable(path);
+  return create(WriterLock(path), header, overwrite);
+}
+
+MapFile MapFile::create(WriterLock lock, const map::MapHeader& header, bool overwrite) {
+  const std::string path = lock.mapPath();
+  requireCreatable(path);
   if (fs::exists(path)) removeOld(path, overwrite);
-  const fs::path folder = fs::absolute(path).parent_path();
-  if (!fs::is_directory(folder))
-    throw base::Error("cannot create map '" + path + "': folder '" + folder.string() + "' does not exist");
   auto impl = std::make_unique<Impl>(path, Database::Mode::kCreate);
-  Transaction transaction(*impl->database);
-  impl->database->execute(kSchema);
-  writeHeader(*impl->database, header);
-  writeState(*impl->database, impl->state);
+  impl->lock = std::move(lock);
+  Database& database = impl->openForWriting();
+  Transaction transaction(database);
+  createSchema(database);
+  writeHeader(database, header);
+  writeState(database, impl->state);
   transaction.commit();
   impl->header = header;
   return MapFile(std::move(impl));
 }
 
 MapFile MapFile::open(const std::string& path, Access access) {
-  if (!fs::exists(path)) throw base::Error("map '" + path + "' does not exist");
-  if (!fs::is_regular_file(path)) throw base::Error("map '" + path + "' is not a file");
-  if (fs::file_size(path) == 0) throw base::Error("map '" + path + "' is empty");
+  requireFile(path);
   const bool write = access == Access::kReadWrite;
-  // Looked at before it is opened for writing: a file that is not ours is not touched.
+  std::optional<WriterLock> lock;
   if (write) {
+    // Looked at before it is opened for writing: a file that is not ours is not touched.
     Database look(path, Database::Mode::kReadOnly);
     requireMap(look);
+    lock.emplace(path);
   }
   auto impl = std::make_unique<Impl>(path, write ? Database::Mode::kReadWrite : Database::Mode::kReadOnly);
-  requireMap(*impl->database);
+  impl->lock = std::move(lock);
+  if (!write) impl->database->beginSnapshot();
+  impl->version = requireMap(*impl->database);
   MapReader reader(*impl->database);
   impl->header = reader.header();
   impl->state = reader.state();
@@ -177,68 +294,79 @@ map::TopologicalMap MapFile::load() const { return map::TopologicalMap(MapReader
 
 void MapFile::commit(const map::TopologicalMap& map, const map::MapChanges& changes,
                      const types::FrameReport* report) {
-  if (!impl_->writable) throw base::Error("map '" + impl_->name + "' was opened for reading only");
-  Database& database = impl_->open();
-  const map::MapContent& content = map.content();
-  Transaction transaction(database);
-  if (MapReader(database).state().commits != impl_->state.commits)
-    throw base::Error("map '" + impl_->name +
-                      "': another program has changed it meanwhile. Only one may write a map");
-
-  const auto put = [&](Statement& insert, std::uint64_t id, const Blob& row) {
-    insert.bind(1, id).bind(2, row).run();
-  };
-  Statement place(database, "INSERT OR REPLACE INTO places VALUES (?, ?)");
-  for (const auto id : changes.places) put(place, id.value, encode(map.place(id)));
-  Statement memory(database, "INSERT OR REPLACE INTO memories VALUES (?, ?)");
-  for (const auto id : changes.memories) put(memory, id.value, encodeMemory(id, map.place(id).memory));
-  Statement view(database, "INSERT OR REPLACE INTO views VALUES (?, ?)");
-  for (const auto id : changes.views) put(view, id.value, encode(content.views.at(id)));
-  Statement edge(database, "INSERT OR REPLACE INTO edges VALUES (?, ?)");
-  for (const auto id : changes.edges) put(edge, id.value, encode(map.edge(id)));
-  remove(database, changes);
-  if (changes.pathForgotten) database.execute("DELETE FROM path");
-  Statement moved(database, "UPDATE path SET data = ?2 WHERE id = ?1");
-  for (const std::size_t i : changes.movedPathPoints) put(moved, i, encode(content.path[i], i));
-  Statement point(database, "INSERT INTO path VALUES (?, ?)");
-  for (std::size_t i = changes.firstNewPathPoint; i < changes.pathSize; ++i)
-    put(point, i, encode(content.path[i], i));
-
-  MapState next = impl_->state;
+  Edit edit(*impl_);
+  writeRows(edit.database(), impl_->undo, map, changes);
   if (report != nullptr) {
     const std::string json = toJson(*report);
-    Statement record(database, "INSERT INTO records VALUES (?, ?, ?)");
-    record.bind(1, next.records++).bind(2, json).bind(3, std::uint64_t{crc32Of(json)}).run();
+    Statement record(edit.database(), "INSERT INTO records VALUES (?, ?, ?)");
+    record.bind(1, edit.next.nextRecord()).bind(2, json).bind(3, std::uint64_t{crc32Of(json)}).run();
+    ++edit.next.records;
+    if (edit.drive) {
+      ++edit.drive->images;
+      edit.drive->lastStamp = report->stamp;
+    }
   }
-  ++next.commits;
-  next.nextPlace = content.nextPlace;
-  next.nextView = content.nextView;
-  next.nextEdge = content.nextEdge;
-  next.places = content.places.size();
-  next.views = content.views.size();
-  next.edges = content.edges.size();
-  next.path = content.path.size();
-  next.redetections = content.redetections;
-  writeState(database, next);
-  transaction.commit();
-  impl_->state = next;
+  edit.next = stateOf(map.content(), edit.next);
+  edit.commit();
 }
 
-void MapFile::forgetRecords(double before) {
-  if (!impl_->writable) throw base::Error("map '" + impl_->name + "' was opened for reading only");
-  Database& database = impl_->open();
-  Transaction transaction(database);
-  const std::string text = exact(before);
-  database.execute(("DELETE FROM records WHERE json_extract(json, '$.stamp') < " + text).c_str());
-  const auto left = static_cast<std::uint64_t>(database.number("SELECT COUNT(*) FROM records"));
-  MapState next = impl_->state;
-  if (left == next.records) return;
-  database.execute(("UPDATE records SET id = id - " + std::to_string(next.records - left)).c_str());
-  next.records = left;
-  ++next.commits;
-  writeState(database, next);
-  transaction.commit();
-  impl_->state = next;
+std::vector<Drive> MapFile::drives() const {
+  return impl_->version < 2 ? std::vector<Drive>{} : MapReader(impl_->open()).drives();
+}
+
+void MapFile::beginDrive(Drive drive) {
+  Edit edit(*impl_);
+  drive.id = static_cast<std::uint32_t>(drives().size());
+  drive.firstRecord = edit.next.nextRecord();
+  drive.images = 0;
+  drive.finished = false;
+  edit.drive = drive;
+  impl_->undo.begin(edit.database(), edit.next);
+  edit.commit();
+}
+
+void MapFile::endDrive() {
+  impl_->currentDrive();
+  {
+    Edit edit(*impl_);
+    edit.drive->finished = true;
+    impl_->undo.clear(edit.database());
+    edit.commit();
+  }
+  impl_->drive.reset();
+  impl_->open().execute("PRAGMA incremental_vacuum");
+}
+
+map::TopologicalMap MapFile::loadBeforeLastDrive() {
+  Database& database = impl_->openForWriting();
+  Transaction rolledBack(database);
+  MapState base = Undo::takeBack(database);
+  base.firstRecord = impl_->state.firstRecord;
+  base.records = impl_->state.records;
+  writeState(database, base);
+  return map::TopologicalMap(MapReader(database).content());
+}
+
+void MapFile::resumeDrive(const map::TopologicalMap& map, const map::MapChanges& changes) {
+  Edit edit(*impl_);
+  Undo::takeBack(edit.database());
+  impl_->undo.load(edit.database());
+  edit.drive = drives().back();
+  writeRows(edit.database(), impl_->undo, map, changes);
+  edit.next = stateOf(map.content(), edit.next);
+  edit.commit();
+}
+
+void MapFile::forgetRecords(int firstKeptSession) {
+  const std::vector<Drive> all = drives();
+  const auto kept = std::find_if(all.begin(), all.end(),
+                                 [&](const Drive& drive) { return drive.session >= firstKeptSession; });
+  if (kept == all.end() || kept->firstRecord <= impl_->state.firstRecord) return;
+  Edit edit(*impl_);
+  Statement(edit.database(), "DELETE FROM records WHERE id < ?").bind(1, kept->firstRecord).run();
+  edit.next.records = edit.next.nextRecord() - kept->firstRecord;
+  edit.next.firstRecord = kept->firstRecord;
+  edit.commit();
 }
 
 std::vector<types::FrameReport> MapFile::records() const { return MapReader(impl_->open()).records(); }
@@ -252,6 +380,7 @@ std::vector<std::string> MapFile::check() const {
     MapReader reader(impl_->open(), &problems);
     reader.content();
     reader.records();
+    if (impl_->version >= 2) reader.drives();
   } catch (const base::Error& e) {
     problems.emplace_back(e.what());
   }
@@ -260,7 +389,7 @@ std::vector<std::string> MapFile::check() const {
 
 void MapFile::dump(std::ostream& out) const {
   MapReader reader(impl_->open());
-  store::dump(out, impl_->header, reader.content(), reader.records());
+  store::dump(out, impl_->header, reader.content(), reader.records(), drives());
 }
 
 std::uint64_t MapFile::bytes() const {
@@ -275,8 +404,12 @@ std::uint64_t MapFile::bytes() const {
 
 void MapFile::close() {
   if (!impl_->database) return;
-  const std::unique_ptr<Database> database = std::move(impl_->database);
-  if (impl_->writable) database->foldLog();
+  {
+    const std::unique_ptr<Database> database = std::move(impl_->database);
+    const bool written = impl_->ready || fs::exists(impl_->name + "-wal");
+    if (impl_->writable && written) database->foldLog();
+  }
+  impl_->lock.reset();
 }
 
 }  // namespace engram::store

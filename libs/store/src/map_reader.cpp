@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <map>
+#include <utility>
 
 namespace engram::store {
 
@@ -112,15 +113,34 @@ map::MapContent MapReader::content() {
 }
 
 std::vector<types::FrameReport> MapReader::records() {
+  const MapState s = state();
+  std::uint64_t next = s.firstRecord;
   std::vector<types::FrameReport> records;
-  forEachRow("SELECT id, json, crc FROM records ORDER BY id", "record", state().records,
-             [&](std::uint64_t, Statement& row) {
+  forEachRow("SELECT id, json, crc FROM records ORDER BY id", "record", s.records,
+             [&](std::uint64_t id, Statement& row) {
+               const std::uint64_t expected = std::exchange(next, id + 1);
+               if (id != expected) throw base::Error("the one before it is missing");
                const std::string json = row.text(1);
                if (crc32Of(json) != static_cast<std::uint64_t>(row.integer(2)))
                  throw base::Error("its checksum is wrong");
                records.push_back(reportFromJson(json));
              });
   return records;
+}
+
+std::vector<Drive> MapReader::drives() {
+  std::vector<Drive> drives;
+  Statement statement(database_, "SELECT id, data FROM drives ORDER BY id");
+  while (statement.step()) {
+    const auto id = static_cast<std::uint64_t>(statement.integer(0));
+    try {
+      if (id != drives.size()) throw base::Error("the one before it is missing");
+      drives.push_back(decodeDrive(statement.blob(1), id));
+    } catch (const base::Error& e) {
+      problem("drive " + std::to_string(id) + ": " + e.what());
+    }
+  }
+  return drives;
 }
 
 }  // namespace engram::store

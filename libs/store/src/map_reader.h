@@ -23,6 +23,8 @@ class MapReader {
   map::MapHeader header();
   map::MapContent content();
   std::vector<types::FrameReport> records();
+  /// Of a map whose format has them.
+  std::vector<Drive> drives();
 
  private:
   template <class Read>

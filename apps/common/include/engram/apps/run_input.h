@@ -29,9 +29,14 @@ class RunInput {
   const std::string& rawlog() const { return rawlog_; }
   bool given(const RunConfig& config) const { return !rawlog_.empty() || !config.liveSection.empty(); }
 
+  /// Opens once: another call does nothing.
   /// @param notices takes messages while the run is under way
   /// Throws base::Error for bad options, and as openRawlog() and LiveSource.
   void open(const RunConfig& config, std::ostream& notices);
+  /// The file name of the rawlog, or the name of the live camera's section.
+  std::string source(const RunConfig& config) const;
+  /// The image that next() will return first; null when there is none. For rawlogs.
+  const types::Frame* peek();
   /// None at the end, after Ctrl-C, and after --seconds.
   std::optional<types::Frame> next();
   double progress() const;
@@ -61,6 +66,7 @@ class RunInput {
   bool overwriteRecord_ = false;
 
   std::unique_ptr<sources::RawlogSource> offline_;
+  std::optional<types::Frame> peeked_;
   std::unique_ptr<capture::LiveSource> live_;
   std::unique_ptr<sources::RawlogWriter> recorder_;
   std::string recordFailure_;

@@ -4,6 +4,8 @@
 
 #include "engram/map/map_content.h"
 #include "engram/map/topological_map.h"
+#include "engram/store/drive.h"
+#include "engram/store/writer_lock.h"
 #include "engram/types/frame_report.h"
 
 #include <cstdint>
@@ -15,19 +17,23 @@
 namespace engram::store {
 
 /// Version of the file format that this program writes, and the newest that it reads.
-inline constexpr int kFormatVersion = 1;
+inline constexpr int kFormatVersion = 2;
 
 enum class Access { kReadOnly, kReadWrite };
 
 /// A map in one SQLite file. Every row carries a CRC-32, every commit is one transaction.
 ///
-/// While a writer has the file open, a file `<path>-wal` beside it holds the latest commits: what was
-/// committed is there again after the process was killed. close() folds it into the one file. A reader
-/// changes no byte of the map. All errors are base::Error, name the file and say what to do.
+/// One program at a time may write a map: create() and open() for writing take the WriterLock and keep it.
+/// While it writes, a file `<path>-wal` beside the map holds the latest commits: what was committed is there
+/// again after the process was killed. close() folds it into the one file. A reader sees the map as it was
+/// when it was opened and changes no byte of it; a map that was opened for writing keeps every byte until
+/// something is written. All errors are base::Error, name the file and say what to do.
 class MapFile {
  public:
   /// Refuses a path that exists, unless `overwrite` is given and the file there is a map or empty.
   static MapFile create(const std::string& path, const map::MapHeader& header, bool overwrite = false);
+  /// The same with the lock that the program has held since its start.
+  static MapFile create(WriterLock lock, const map::MapHeader& header, bool overwrite = false);
   static MapFile open(const std::string& path, Access access);
 
   MapFile(MapFile&&) noexcept;
@@ -44,8 +50,20 @@ class MapFile {
   void commit(const map::TopologicalMap& map, const map::MapChanges& changes,
               const types::FrameReport* report = nullptr);
 
-  /// Drops the records of all images that were taken before this time [s].
-  void forgetRecords(double before);
+  /// All runs that wrote into the map; none of a map of format 1 that was not written since.
+  std::vector<Drive> drives() const;
+  /// The commits from now on are of this drive; its number and counts are set here.
+  void beginDrive(Drive drive);
+  /// The drive is complete; it cannot be taken back any more.
+  void endDrive();
+  /// The map as it was when its last drive began. Throws base::Error when that drive is complete.
+  map::TopologicalMap loadBeforeLastDrive();
+  /// Goes on with the last drive. `map` and `changes` are those of the drive begun anew on
+  /// loadBeforeLastDrive(): they replace all that it wrote, but for the records.
+  void resumeDrive(const map::TopologicalMap& map, const map::MapChanges& changes);
+
+  /// Drops the records of all drives before the one that made this session's path.
+  void forgetRecords(int firstKeptSession);
 
   /// The records of all images, in the order of the commits.
   std::vector<types::FrameReport> records() const;
@@ -65,6 +83,7 @@ class MapFile {
 
  private:
   struct Impl;
+  class Edit;
   explicit MapFile(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
@@ -77,6 +96,6 @@ const char* toString(types::DescriptorKind kind);
 
 /// MapFile::dump() of values in memory.
 void dump(std::ostream& out, const map::MapHeader& header, const map::MapContent& content,
-          const std::vector<types::FrameReport>& records);
+          const std::vector<types::FrameReport>& records, const std::vector<Drive>& drives = {});
 
 }  // namespace engram::store

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/store/drive_writer.h"
+
+#include "engram/base/error.h"
+#include "engram/store/report_json.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+
+namespace engram::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<types::FrameReport> recordsOf(const Drive& drive, std::vector<types::FrameReport> all) {
+  const auto first =
+      all.end() - static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(drive.images, all.size()));
+  return {std::make_move_iterator(first), std::make_move_iterator(all.end())};
+}
+
+}  // namespace
+
+DriveWriter::DriveWriter(const std::string& path, const DriveOptions& options, std::string source,
+                         const types::Frame* first)
+    : path_(path), source_(std::move(source)), options_(options) {
+  const bool exists = fs::exists(path);
+  if (exists && (options.extend || options.resume)) {
+    openExisting(first);
+    return;
+  }
+  if (options.extend) throw base::Error("map '" + path + "' does not exist");
+  if (exists && !options.overwrite)
+    throw base::Error(path +
+                      " exists; give --overwrite to replace it, --extend to go on with it, or --resume "
+                      "to finish a drive that was cut off");
+  lock_.emplace(path);
+}
+
+void DriveWriter::openExisting(const types::Frame* first) {
+  file_ = MapFile::open(path_, Access::kReadWrite);
+  if (!options_.resume) return;
+  const auto drives = file_->drives();
+  const bool same = !drives.empty() && first != nullptr && drives.back().fingerprint == fingerprintOf(*first);
+  if (!same) {
+    if (options_.extend) return;  // it was cut off before its first image
+    throw base::Error("map '" + path_ + "': there is nothing to resume: " +
+                      (drives.empty()
+                           ? "no drive is known"
+                           : "the last one is " + describe(drives.back()) + ", which begins otherwise") +
+                      ". Give --extend to add this drive");
+  }
+  complete_ = drives.back().finished;
+  resumes_ = !complete_;
+  if (resumes_) recorded_ = recordsOf(drives.back(), file_->records());
+}
+
+map::TopologicalMap DriveWriter::load() {
+  if (!file_) return {};
+  return resumes_ ? file_->loadBeforeLastDrive() : file_->load();
+}
+
+void DriveWriter::forget(map::TopologicalMap& map, int firstKeptSession) {
+  if (resumes_ || !file_) return;
+  file_->commit(map, map.takeChanges());
+  file_->forgetRecords(firstKeptSession);
+}
+
+void DriveWriter::requireNew(std::uint32_t fingerprint) const {
+  if (options_.again) return;
+  for (const Drive& drive : file_->drives()) {
+    if (drive.fingerprint != fingerprint) continue;
+    throw base::Error("map '" + path_ + "' has learnt '" + source_ + "' already: " + describe(drive) +
+                      (drive.finished ? "" : ", cut off; --resume goes on with it") +
+                      ". Give --again to learn it once more all the same");
+  }
+}
+
+void DriveWriter::begin(const types::Frame& first, int session, const map::MapHeader& header) {
+  if (resumes_) return;
+  if (!file_) file_ = MapFile::create(std::move(*lock_), header, options_.overwrite);
+  Drive drive;
+  drive.session = session;
+  drive.source = source_;
+  drive.fingerprint = fingerprintOf(first);
+  drive.firstStamp = drive.lastStamp = first.stamp;
+  requireNew(drive.fingerprint);
+  file_->beginDrive(drive);
+}
+
+void DriveWriter::add(map::TopologicalMap& map, const types::FrameReport& report) {
+  if (added_++ >= recorded_.size()) return file_->commit(map, map.takeChanges(), &report);
+  const types::FrameReport& before = recorded_[added_ - 1];
+  if (toJson(report, false) != toJson(before, false))
+    throw base::Error("map '" + path_ + "': image " + std::to_string(report.index) + " of '" + source_ +
+                      "' is not what was recorded of it. To resume needs the same rawlog, configuration and "
+                      "program; the map was not changed");
+  if (added_ == recorded_.size()) file_->resumeDrive(map, map.takeChanges());
+}
+
+void DriveWriter::end(map::TopologicalMap& map, bool whole) {
+  // What a resumed drive has not come to yet stays as it is in the file.
+  if (added_ < recorded_.size()) return;
+  file_->commit(map, map.takeChanges());
+  if (whole) file_->endDrive();
+}
+
+}  // namespace engram::store
