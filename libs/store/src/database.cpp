@@ -17,6 +17,8 @@ namespace fs = std::filesystem;
 
 /// Other programs may hold the file for the time of one commit.
 constexpr int kBusyTimeoutMs = 5000;
+/// The end of a run does not wait for those who read for long.
+constexpr int kCloseTimeoutMs = 500;
 /// A program that reads a large map takes as long; writing begins after it.
 constexpr int kReadersTimeoutMs = 60000;
 /// No row is larger; bounds what a damaged length can make us allocate.
@@ -188,7 +190,8 @@ void Database::execute(const char* sql) {
 }
 
 void Database::foldLog() {
-  execute("PRAGMA wal_checkpoint(TRUNCATE); PRAGMA busy_timeout = 0;");
+  sqlite3_busy_timeout(handle_.get(), kCloseTimeoutMs);
+  execute("PRAGMA wal_checkpoint(TRUNCATE)");
   const int code = sqlite3_exec(handle_.get(), "PRAGMA journal_mode = DELETE", nullptr, nullptr, nullptr);
   if (code != SQLITE_OK && (code & 0xff) != SQLITE_BUSY) fail(code);
 }
