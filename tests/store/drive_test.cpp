@@ -121,6 +121,20 @@ TEST_F(DriveTest, ResumedAnywhereTheMapIsThatOfAnUndisturbedRun) {
   }
 }
 
+/// A first run may be killed while it makes the map, or before its first image.
+TEST_F(DriveTest, WhatWasCutOffBeforeItsFirstImageBegins) {
+  drive(path("whole"), 2, {}, kImages);
+  writeBytes(path("empty"), "");
+  MapFile::create(path("made"), sampleHeader()).close();
+  for (const char* name : {"empty", "made", "none"}) {
+    drive(path(name), 2, {.resume = true}, kImages);
+    EXPECT_EQ(dumpOf(path(name)), dumpOf(path("whole"))) << name;
+  }
+  writeBytes(path("letter"), "Dear robot");
+  EXPECT_THAT(messageOf([&] { drive(path("letter"), 2, {.resume = true}, kImages); }), HasSubstr("letter"));
+  EXPECT_EQ(fileBytes(path("letter")), "Dear robot");
+}
+
 /// Killed again while the known images are gone over, or just after.
 TEST_F(DriveTest, CanBeResumedMoreThanOnce) {
   drive(path("whole"), 2, {}, kImages);

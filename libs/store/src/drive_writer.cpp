@@ -14,6 +14,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Whether there is a map: its making may have been cut off before it held anything.
+bool hasMap(const std::string& path) {
+  std::error_code error;
+  return fs::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path, error) == 0);
+}
+
 std::vector<types::FrameReport> recordsOf(const Drive& drive, std::vector<types::FrameReport> all) {
   const auto first =
       all.end() - static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(drive.images, all.size()));
@@ -25,7 +31,7 @@ std::vector<types::FrameReport> recordsOf(const Drive& drive, std::vector<types:
 DriveWriter::DriveWriter(const std::string& path, const DriveOptions& options, std::string source,
                          const types::Frame* first)
     : path_(path), source_(std::move(source)), options_(options) {
-  const bool exists = fs::exists(path);
+  const bool exists = options.resume ? hasMap(path) : fs::exists(path);
   if (exists && (options.extend || options.resume)) {
     openExisting(first);
     return;
@@ -35,6 +41,7 @@ DriveWriter::DriveWriter(const std::string& path, const DriveOptions& options, s
     throw base::Error(path +
                       " exists; give --overwrite to replace it, --extend to go on with it, or --resume "
                       "to finish a drive that was cut off");
+  options_.overwrite |= options.resume;  // of what its making left
   lock_.emplace(path);
 }
 
@@ -44,10 +51,12 @@ void DriveWriter::openExisting(const types::Frame* first) {
   const auto drives = file_->drives();
   const bool same = !drives.empty() && first != nullptr && drives.back().fingerprint == fingerprintOf(*first);
   if (!same) {
-    if (options_.extend) return;  // it was cut off before its first image
+    const bool untouched =
+        drives.empty() && file_->records().empty();  // it was cut off before its first image
+    if (options_.extend || untouched) return;
     throw base::Error("map '" + path_ + "': there is nothing to resume: " +
                       (drives.empty()
-                           ? "no drive is known"
+                           ? "it does not know its drives"
                            : "the last one is " + describe(drives.back()) + ", which begins otherwise") +
                       ". Give --extend to add this drive");
   }

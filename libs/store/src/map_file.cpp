@@ -257,12 +257,13 @@ MapFile MapFile::create(WriterLock lock, const map::MapHeader& header, bool over
   if (fs::exists(path)) removeOld(path, overwrite);
   auto impl = std::make_unique<Impl>(path, Database::Mode::kCreate);
   impl->lock = std::move(lock);
-  Database& database = impl->openForWriting();
-  Transaction transaction(database);
-  createSchema(database);
-  writeHeader(database, header);
-  writeState(database, impl->state);
+  // Without the log yet: a map that was cut off while it was made is an empty file, or whole.
+  Transaction transaction(*impl->database);
+  createSchema(*impl->database);
+  writeHeader(*impl->database, header);
+  writeState(*impl->database, impl->state);
   transaction.commit();
+  impl->openForWriting();
   impl->header = header;
   return MapFile(std::move(impl));
 }
