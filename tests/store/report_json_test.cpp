@@ -42,7 +42,8 @@ TEST(ReportJson, RoundTrips) {
 TEST(ReportJson, LiveStateIsOfTheRunAndNotOfTheMap) {
   types::FrameReport r = sampleReport();
   r.live = types::LiveState{17.5, 1, 2, 3, 4};
-  EXPECT_THAT(toJson(r), HasSubstr(R"("live":{"latency_ms":17.5,"waiting":1,"incomplete":2,"missed":3,"dropped":4})"));
+  EXPECT_THAT(toJson(r),
+              HasSubstr(R"("live":{"latency_ms":17.5,"waiting":1,"incomplete":2,"missed":3,"dropped":4})"));
   EXPECT_EQ(toJson(reportFromJson(toJson(r))), toJson(r));
   EXPECT_EQ(toJson(r, false), toJson(sampleReport(), false));
   EXPECT_FALSE(reportFromJson(toJson(sampleReport())).live);
@@ -56,8 +57,9 @@ TEST(ReportJson, SurvivesStrangeValues) {
   EXPECT_THAT(line, HasSubstr("\"stamp\":null"));
   EXPECT_EQ(line.find('\n'), std::string::npos);
   EXPECT_TRUE(std::isnan(reportFromJson(line).stamp));
-  for (const char* bad : {"", "[]", "{", "{\"outcome\":\"lost\"}", "{\"index\":\"x\"}",
-                          "{\"hypotheses\":[3]}", "{\"times\":{\"a\":\"b\"}}", "{\"memory\":7}", "{\"live\":7}"})
+  for (const char* bad :
+       {"", "[]", "{", "{\"outcome\":\"lost\"}", "{\"index\":\"x\"}", "{\"hypotheses\":[3]}",
+        "{\"times\":{\"a\":\"b\"}}", "{\"memory\":7}", "{\"live\":7}"})
     EXPECT_THROW(reportFromJson(bad), base::Error) << bad;
   EXPECT_EQ(reportFromJson("{\"future\":1,\"index\":5}").index, 5u);
 }
