@@ -2,11 +2,12 @@
 # SPDX-FileCopyrightText: 2026 The Engram authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Installs what is missing, builds with warnings as errors, and runs the whole test suite.
+# Installs what is missing, builds with warnings as errors (the presets say so, for demo.sh too: nothing is compiled
+# twice), and runs the whole test suite.
 set -euo pipefail
 cd "$(dirname "$0")"
 source scripts/setup.sh
 
 engram_install_packages
-ENGRAM_CMAKE_OPTIONS="-DENGRAM_WERROR=ON ${ENGRAM_CMAKE_OPTIONS:-}" engram_build "${ENGRAM_PRESET:-release}"
+engram_build "${ENGRAM_PRESET:-release}"
 ctest --preset "${ENGRAM_PRESET:-release}" -j "$(nproc)" "$@"

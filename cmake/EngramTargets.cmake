@@ -1,7 +1,19 @@
 # SPDX-FileCopyrightText: 2026 The Engram authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# The only three ways to make a target in this project.
+# The only three ways to make a target in this project, and a check of their lists.
+
+# engram_require_all_listed(PARENT NAME …): an error for a folder of PARENT with a CMakeLists.txt that no NAME names.
+# That a NAME without such a folder is an error is what add_subdirectory() is for.
+function(engram_require_all_listed parent)
+  file(GLOB found RELATIVE ${PROJECT_SOURCE_DIR}/${parent} ${PROJECT_SOURCE_DIR}/${parent}/*/CMakeLists.txt)
+  foreach(file ${found})
+    get_filename_component(folder ${file} DIRECTORY)
+    if(NOT folder IN_LIST ARGN)
+      message(SEND_ERROR "${parent}/${folder} is not in the list of ${parent}: add it, or remove the folder")
+    endif()
+  endforeach()
+endfunction()
 
 # Settings that every target of ours gets, and no target of others sees.
 function(engram_target_defaults target)

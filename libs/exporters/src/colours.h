@@ -26,9 +26,9 @@ Colour edgeColour(map::EdgeType type);
 Colour categoryColour(std::size_t index);
 
 /// All kinds of edges, in the order of legends.
-inline constexpr std::array kEdgeTypes{map::EdgeType::kOdometry, map::EdgeType::kLoop,
+inline constexpr std::array kEdgeTypes{map::EdgeType::kOdometry,    map::EdgeType::kLoop,
                                        map::EdgeType::kRecognition, map::EdgeType::kWeak,
-                                       map::EdgeType::kCompounded, map::EdgeType::kDeadReckoning};
+                                       map::EdgeType::kCompounded,  map::EdgeType::kDeadReckoning};
 
 /// Largest number of long-term features of any place, at least 1.
 int largestLongTerm(const map::MapContent& content);

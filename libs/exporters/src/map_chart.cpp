@@ -25,8 +25,7 @@ void drawPaths(Drawing& drawing, const map::TopologicalMap& map) {
 void drawEdges(Drawing& drawing, const map::TopologicalMap& map) {
   for (const auto& [id, e] : map.edges())
     drawing.line(onGround(map.place(e.a).T_map_place), onGround(map.place(e.b).T_map_place),
-                 edgeColour(e.type), e.type == map::EdgeType::kOdometry ? 1.2 : 2.2,
-                 !map::isPassage(e.type));
+                 edgeColour(e.type), e.type == map::EdgeType::kOdometry ? 1.2 : 2.2, !map::isPassage(e.type));
 }
 
 void drawPlaces(Drawing& drawing, const map::TopologicalMap& map) {

@@ -26,8 +26,8 @@ std::string ends(const Edge& edge) {
 
 bool MapChanges::empty() const {
   return places.empty() && memories.empty() && views.empty() && edges.empty() && removedPlaces.empty() &&
-         removedViews.empty() && removedEdges.empty() && movedPathPoints.empty() &&
-         !pathForgotten && firstNewPathPoint == pathSize;
+         removedViews.empty() && removedEdges.empty() && movedPathPoints.empty() && !pathForgotten &&
+         firstNewPathPoint == pathSize;
 }
 
 TopologicalMap::TopologicalMap(MapContent content) : content_(std::move(content)) {

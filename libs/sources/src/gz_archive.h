@@ -22,8 +22,8 @@ class GzArchive final : public mrpt::serialization::CArchive {
   GzArchive(const GzArchive&) = delete;
   GzArchive& operator=(const GzArchive&) = delete;
 
-  /// Ends a member of the gzip file and hands it to the system, or with `sync` to the disk: up to here the file
-  /// is whole, whatever happens later.
+  /// Ends a member of the gzip file and hands it to the system, or with `sync` to the disk: up to here the
+  /// file is whole, whatever happens later.
   void flush(bool sync);
   /// The last flush; nothing can be written afterwards.
   void finish();

@@ -20,8 +20,8 @@ struct ImageEntry {
   std::optional<Pose2> pose;
 };
 
-/// The images of a list as frames. Those that cannot be read and stamps that do not rise are left out and named
-/// in problem(), which begins with `name` and goes on with `notice` where there is one.
+/// The images of a list as frames. Those that cannot be read and stamps that do not rise are left out and
+/// named in problem(), which begins with `name` and goes on with `notice` where there is one.
 std::unique_ptr<FrameSource> makeListSource(std::string name, std::vector<ImageEntry> entries,
                                             std::string notice = {});
 

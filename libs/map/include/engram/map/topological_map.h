@@ -26,8 +26,8 @@ struct MapChanges {
   std::vector<EdgeId> removedEdges;
   std::vector<std::size_t> movedPathPoints;  ///< older ones that are tied to another place now
   bool pathForgotten = false;  ///< older path points are gone: the others have new numbers and are all new
-  std::size_t firstNewPathPoint = 0;         ///< path points from here on are new
-  std::size_t pathSize = 0;                  ///< path points in all
+  std::size_t firstNewPathPoint = 0;  ///< path points from here on are new
+  std::size_t pathSize = 0;           ///< path points in all
   bool empty() const;
 };
 

@@ -18,7 +18,8 @@ namespace engram::store {
 ///
 /// Probabilities, similarities and times have six decimals. Numbers that are not finite become null. Bytes
 /// that are not UTF-8 become U+FFFD.
-/// @param withTimes false leaves out `times`, `ms` and `live`, the only values that differ between equal runs.
+/// @param withTimes false leaves out `times`, `ms` and `live`, the only values that differ between equal
+/// runs.
 std::string toJson(const types::FrameReport& report, bool withTimes = true);
 
 /// The reverse. Missing keys keep their defaults, unknown ones are skipped, null numbers are NaN.

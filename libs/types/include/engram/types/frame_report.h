@@ -64,8 +64,8 @@ struct FrameReport {
   bool closure = false;                ///< a loop edge was added
   int closuresDropped = 0;             ///< loop edges that left the map: the graph denies them
   int closuresRestored = 0;            ///< closures refused before that entered the map
-  std::vector<base::PlaceId> learnt;  ///< places that remembered or forgot at this image
-  MemoryChange memory;                ///< of these places together
+  std::vector<base::PlaceId> learnt;   ///< places that remembered or forgot at this image
+  MemoryChange memory;                 ///< of these places together
   struct StepTime {
     std::string step;
     double milliseconds = 0.0;
