@@ -74,7 +74,7 @@ TEST(Tum, RefusesWithFileAndLine) {
   refuses("1 0 0 0 0 0 0 2\n", "f.tum:1: the quaternion is not of unit length");
   refuses("1 0 0 0 0 0 0 1\n# c\n1 0 0 0 0 0 0 1\n", "f.tum:3: the stamp is not later than the one before");
   EXPECT_THAT([] { readTum("/nowhere.tum"); },
-              ThrowsMessage<base::Error>(HasSubstr("/nowhere.tum: cannot be read")));
+              ThrowsMessage<base::Error>(HasSubstr("/nowhere.tum: cannot be opened")));
 }
 
 TEST(PoseAt, InterpolatesAlongTheScrewOfAConstantTurn) {

@@ -137,7 +137,7 @@ TEST(TruthErrors, NameFileLineAndReason) {
   refuses("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0\n", "t.csv:2: expected 8 numbers");
   EXPECT_THAT(
       [] { Truth::load("/nowhere/truth.csv"); },
-      ThrowsMessage<base::Error>(AllOf(HasSubstr("/nowhere/truth.csv"), HasSubstr("cannot be read"))));
+      ThrowsMessage<base::Error>(AllOf(HasSubstr("/nowhere/truth.csv"), HasSubstr("cannot be opened"))));
   EXPECT_THAT([] { Truth::parse("query,first,last\n0,1,2\n", "t", margin(-1)); },
               ThrowsMessage<base::Error>(HasSubstr("--truth-margin")));
 }

@@ -3,6 +3,7 @@
 #include "engram/evaluation/truth.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 #include "text_lines.h"
 
 #include <algorithm>
@@ -75,7 +76,7 @@ std::optional<std::int64_t> numberInFileName(const std::string& label) {
 }
 
 Truth Truth::load(const std::string& path, const TruthOptions& options) {
-  return parse(readText(path), path, options);
+  return parse(base::readTextFile(path), path, options);
 }
 
 Truth Truth::parse(const std::string& text, const std::string& name, const TruthOptions& options) {

@@ -3,6 +3,7 @@
 #include "engram/sources/image_folder_source.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 #include "image_list.h"
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <set>
@@ -87,8 +87,7 @@ class CsvReader {
 };
 
 std::vector<ImageEntry> readCsv(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw base::Error(path + ": cannot be opened; does the file exist and may you read it?");
+  std::istringstream in(base::readTextFile(path));
   std::optional<CsvReader> reader;
   std::vector<ImageEntry> entries;
   std::string line;

@@ -3,6 +3,7 @@
 #include "engram/sources/image_pairs.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 #include "engram/sources/image_folder_source.h"
 #include "image_list.h"
 
@@ -12,8 +13,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fnmatch.h>
-#include <fstream>
 #include <map>
+#include <sstream>
 
 namespace engram::sources {
 namespace {
@@ -48,8 +49,7 @@ std::map<std::string, std::string> byKey(const std::vector<std::string>& paths) 
 }
 
 std::vector<double> readStamps(const std::string& path, std::size_t wanted) {
-  std::ifstream in(path);
-  if (!in) throw base::Error(path + ": cannot be opened; does the file exist and may you read it?");
+  std::istringstream in(base::readTextFile(path));
   std::vector<double> stamps;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
