@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "images_command.h"
 
+#include "engram/apps/checks.h"
 #include "engram/apps/program.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
@@ -94,7 +95,7 @@ void ImagesCommand::declare(CLI::App& command) {
   command.add_option("--reference", reference_, "Folder of images of the first traversal: the map");
   command.add_option("--query", query_, "Folder of images of the second traversal");
   command.add_option("--truth", truthFile_, "Ground truth: query,first,last | image,matches | a,b links");
-  command.add_option("--truth-margin", margin_, "Widens the truth by so many images");
+  command.add_option("--truth-margin", margin_, "Widens the truth by so many images")->check(wholeFrom(0));
 }
 
 std::string ImagesCommand::readConfig() {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "localize_program.h"
 
+#include "engram/apps/checks.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/line_file.h"
@@ -44,8 +45,10 @@ void LocalizeProgram::declare(CLI::App& app) {
                "Forget the belief before every image: global localisation of single images");
   app.add_option("--truth", truth_,
                  "Ground truth: query,first,last | image,matches | a,b links | TUM poses of this drive");
-  app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images, links or places");
-  app.add_option("--truth-radius", truthRadius_, "With TUM truth, places this near are right too [m]");
+  app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images, links or places")
+      ->check(wholeFrom(0));
+  app.add_option("--truth-radius", truthRadius_, "With TUM truth, places this near are right too [m]")
+      ->check(positive());
   app.add_option("--out", csv_, "File for one line an image (.csv)");
   app.add_option("--report", report_, "Folder for the record of every image and the summary");
   stream_.declare(app);

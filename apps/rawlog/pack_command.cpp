@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "engram/apps/checks.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
@@ -117,11 +118,11 @@ void PackCommand::declare(CLI::App& app) {
   app.add_option("--save-camera", saveCamera_, "Write the calibration of the packed images")
       ->type_name("FILE");
   app.add_option("--rate", rate_, "Images per second without --csv or --stamps")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   app.add_option("--label", writer_.sensor_label, "Sensor label of the camera")->capture_default_str();
   app.add_option("--quality", writer_.jpeg_quality, "JPEG quality")
-      ->check(CLI::Range(1, 100))
+      ->check(wholeBetween(1, 100))
       ->capture_default_str();
   app.add_flag("--external", writer_.external_images, "Images as files beside the rawlog instead of inside");
   common_.declare(app);

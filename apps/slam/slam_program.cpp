@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slam_program.h"
 
+#include "engram/apps/checks.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
@@ -42,9 +43,10 @@ void SlamProgram::declare(CLI::App& app) {
   app.add_option("--report", report_,
                  "Folder for summary, scene, graph, trajectory and the record of every image");
   app.add_option("--truth", truth_, "Ground truth, to count false closures and measure the trajectory");
-  app.add_option("--truth-radius", truthRadius_,
-                 "A closure over more than this is false, with TUM truth [m]");
-  app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images or links");
+  app.add_option("--truth-radius", truthRadius_, "A closure over more than this is false, with TUM truth [m]")
+      ->check(positive());
+  app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images or links")
+      ->check(wholeFrom(0));
   stream_.declare(app);
   window_.declare(app);
   app.add_option("--json", json_, "File for the final figures");

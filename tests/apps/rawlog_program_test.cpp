@@ -79,6 +79,10 @@ TEST_F(RawlogTool, UsageErrors) {
   EXPECT_EQ(run({"pack"}).code, kUsage);
   EXPECT_EQ(run({"info", "x", "--colour"}).code, kUsage);
   EXPECT_EQ(run({"unpack", "x", "--out", "y", "--format", "gif"}).code, kUsage);
+  const RunResult comma =
+      run({"calibrate", "--images", "x", "--board", "9x6", "--square", "0,03", "--out", "y"});
+  EXPECT_EQ(comma.code, kUsage);
+  EXPECT_THAT(comma.err, HasSubstr("--square: '0,03' is not a number: the decimal sign is a point, 0.03"));
 }
 
 TEST_F(RawlogTool, PackInfoUnpackPackAgain) {
