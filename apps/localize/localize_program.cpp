@@ -83,7 +83,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     truth->readPlaces(localizer.map());
   }
 
-  stream_.open(map_);
+  stream_.open(map_, err);
   window_.open(config_.pipeline, map_, err);
   input_.open(config_, err);
 

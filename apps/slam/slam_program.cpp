@@ -84,7 +84,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     file = store::MapFile::open(path, store::Access::kReadWrite);
     if (keep > 0 && !mapper.map().path().empty()) file->forgetRecords(mapper.map().path().front().stamp);
   }
-  stream_.open(path);
+  stream_.open(path, err);
   window_.open(config_.pipeline, path, err);
   input_.open(config_, err);
 

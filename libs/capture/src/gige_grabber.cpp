@@ -221,6 +221,7 @@ class GigeGrabber::Impl {
       : params_(params), sink_(std::move(sink)), pairer_(1e-3 * params.stereo_tolerance_ms) {
     addCamera(params.camera, 0);
     if (!params.right_camera.empty()) addCamera(params.right_camera, 1);
+    requireTwoDevices();
     for (auto& keeper : keepers_) keeper->start();
   }
   ~Impl() { stop(); }
@@ -250,6 +251,14 @@ class GigeGrabber::Impl {
   void addCamera(const std::string& id, int side) {
     keepers_.push_back(std::make_unique<Keeper>(
         params_, id, [this, side](Shot&& shot) { deliver(side, std::move(shot)); }, notices_));
+  }
+
+  /// An address and an id may mean the same camera; which one they mean is known when it has answered.
+  void requireTwoDevices() const {
+    GigeParams found = params_;
+    found.camera = keepers_.front()->stats().settings.id;
+    found.right_camera = keepers_.size() > 1 ? keepers_.back()->stats().settings.id : "";
+    requireTwoCameras(found);
   }
 
   void deliver(int side, Shot&& shot) {
@@ -285,6 +294,7 @@ class GigeGrabber::Impl {
 
 GigeGrabber::GigeGrabber(const GigeParams& params, Sink sink) {
   base::validate(params);
+  requireTwoCameras(params);
   impl_ = std::make_unique<Impl>(params, std::move(sink));
 }
 GigeGrabber::~GigeGrabber() = default;
