@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -187,12 +188,13 @@ class FileLimit {
   rlimit before_{};
 };
 
-/// Readers in a process of their own, so that their descriptors are not ours. They come in an endless number
-/// of attempts until all are connected, and go with this object.
+/// Readers in a process of their own, so that their descriptors are not ours. They try until all are
+/// connected, and go with this object.
 class Crowd {
  public:
   Crowd(const std::string& path, int readers) : process_(fork()) {
     if (process_ != 0) return;
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     path.copy(address.sun_path, sizeof address.sun_path - 1);
