@@ -10,6 +10,7 @@
 #include "engram/base/interrupt.h"
 #include "engram/base/parallel.h"
 #include "engram/base/progress.h"
+#include "engram/evaluation/truth_match.h"
 #include "engram/pipeline/recogniser.h"
 #include "engram/sources/image_folder_source.h"
 #include "methods.h"
@@ -127,6 +128,14 @@ std::vector<LearnView> ImagesCommand::readImages(const std::string& folder, pipe
   return views;
 }
 
+void ImagesCommand::requireTruthOf(const std::vector<LearnView>& references,
+                                   const std::vector<LearnView>& query) const {
+  evaluation::TruthMatch match;
+  for (const auto& view : query) match.addImage(*truth_, reference(view.frame));
+  for (const auto& view : references) match.addPlace(*truth_, reference(view.frame));
+  if (const auto problem = match.problem(*truth_); !problem.empty()) throw base::Error(problem);
+}
+
 bool ImagesCommand::isRight(const LearnView& query, const LearnView& place) const {
   return truth_->judge(reference(query.frame), reference(place.frame)) == evaluation::Verdict::kRight;
 }
@@ -181,6 +190,7 @@ int ImagesCommand::run(std::ostream& out, std::ostream& err) {
   std::ostream* progress = options_.quiet ? nullptr : &err;
   const auto references = readImages(reference_, perception, progress);
   const auto query = readImages(query_, perception, progress);
+  requireTruthOf(references, query);
 
   const auto methods = comparedMethods(pipeline_, options_.quick ? 200 : 1000);
   std::vector<ImagesResult> results(methods.size());

@@ -98,6 +98,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     stream_.sendLocalised(report, localizer.map());
     if (adapt_) file->commit(localizer.map(), localizer.map().takeChanges(), &report);
     figures.add(report);
+    if (truth) truth->note(report);
     window_.after(*frame, report, localizer.map());
     if (records.wanted()) records.add(store::toJson(report));
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
@@ -108,6 +109,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     file->commit(localizer.map(), localizer.map().takeChanges(), nullptr);
     file->close();
   }
+  if (truth && !base::interrupted()) truth->requireMatch(localizer.map(), err);
   const int code = conclude(figures, out, err);
   for (const base::LineFile* lines : {&csv, &records})
     if (!lines->failure().empty()) err << name() << ": " << lines->failure() << "\n";

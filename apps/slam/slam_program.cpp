@@ -128,6 +128,7 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::MapBuilder& mapp
   file.close();
   input_.close();
   stream_.close(err);
+  if (truth && !base::interrupted()) truth->requireMatch(map, err);
   const auto bytes = fs::file_size(file.path());
   auto json = figures.toJson(map, bytes, peakResidentBytes());
   json["live"] = input_.figures();

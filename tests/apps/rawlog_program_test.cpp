@@ -126,8 +126,7 @@ TEST_F(RawlogTool, PackInfoUnpackPackAgain) {
 /// Six images, 0.1 s apart, with stamps in this unit; half a second is 500 milliseconds.
 std::string stampedCsv(long long first, long long step) {
   std::string csv = "image,stamp\n";
-  for (int i = 0; i < 6; ++i)
-    csv += "p" + std::to_string(i) + ".png," + std::to_string(first + step * i) + "\n";
+  for (int i = 0; i < 6; ++i) csv += cv::format("p%d.png,%lld\n", i, first + step * i);
   return csv;
 }
 
@@ -177,7 +176,7 @@ TEST_F(RawlogTool, StampsInAnyUnitMakeTheSameRawlog) {
 
 TEST_F(RawlogTool, StampUnitWithoutStampsIsRefused) {
   makeImages("in", 1);
-  for (const std::vector<std::string> more : {std::vector<std::string>{}, {"--stamps", "names"}}) {
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--stamps", "names"}}) {
     std::vector<std::string> arguments{"pack",           "--images",     path("in"), "--out",
                                        path("a.rawlog"), "--stamp-unit", "ms"};
     arguments.insert(arguments.end(), more.begin(), more.end());

@@ -77,7 +77,9 @@ TEST(RawlogWriter, RoundTripExternal) {
 /// The names of the files that the frames of a rawlog came from.
 std::vector<std::string> labelsIn(const std::string& path) {
   std::vector<std::string> labels;
-  for (const auto& frame : readFrames(*openRawlog(path))) labels.push_back(frame.label);
+  auto source = openRawlog(path);
+  for (const auto& frame : readFrames(*source)) labels.push_back(frame.label);
+  EXPECT_EQ(source->problem(), "");
   return labels;
 }
 
@@ -98,7 +100,6 @@ TEST(RawlogWriter, KeepsTheNamesOfImageFilesOnRequest) {
       }
       writer.close();
       EXPECT_EQ(labelsIn(folder.path("a.rawlog")), names);
-      EXPECT_EQ(openRawlog(folder.path("a.rawlog"))->problem(), "");
     }
 }
 
@@ -109,7 +110,7 @@ TEST(RawlogWriter, WithoutNamesTheLabelIsThatOfTheSensor) {
     params.file_names = wanted;
     params.overwrite = true;
     RawlogWriter writer(folder.path("a.rawlog"), params);
-    for (const std::string label :
+    for (const std::string& label :
          {std::string(wanted ? "" : "p1.png"), std::string(wanted ? "a\x1B[2Jb" : "x"),
           std::string(wanted ? 5000 : 1, 'x')}) {
       types::Frame frame = makeFrame(static_cast<int>(writer.frames()));
@@ -135,22 +136,33 @@ TEST(RawlogWriter, MrptReadsTheNamesAsComments) {
   const auto comment = std::dynamic_pointer_cast<mrpt::obs::CObservationComment>(archive.ReadObject());
   ASSERT_TRUE(comment);
   EXPECT_EQ(comment->text, "image file: p7.png");
-  EXPECT_EQ(comment->sensorLabel, "CAMERA");
   EXPECT_TRUE(std::dynamic_pointer_cast<mrpt::obs::CObservationOdometry>(archive.ReadObject()));
   const auto image = std::dynamic_pointer_cast<mrpt::obs::CObservationImage>(archive.ReadObject());
   ASSERT_TRUE(image);
   EXPECT_EQ(comment->timestamp, image->timestamp);
 
-  // And as MRPT writes them again, between comments of people.
+  // And as MRPT writes them again, between comments of people and another camera's image of that instant.
   mrpt::obs::CObservationComment remark, endless;
   remark.text = "image file: ";
   endless.text = std::string(100000, 'x');
   const auto copy = [](const auto& object) {
     return std::make_shared<std::decay_t<decltype(object)>>(object);
   };
-  writeWithMrpt(folder.path("b.rawlog"), {copy(remark), comment, copy(endless), image}, true);
-  EXPECT_EQ(labelsIn(folder.path("b.rawlog")), std::vector<std::string>{"p7.png"});
-  EXPECT_EQ(openRawlog(folder.path("b.rawlog"))->problem(), "");
+  mrpt::obs::CObservationComment second = *comment;
+  second.text = "image file: q8.png";
+  const auto other = std::make_shared<mrpt::obs::CObservationImage>(*image);
+  other->sensorLabel = "OTHER";
+  writeWithMrpt(folder.path("b.rawlog"), {copy(remark), comment, copy(endless), image, copy(second), other},
+                true);
+  RawlogParams camera;
+  for (const auto& [label, name] : {std::pair("CAMERA", "p7.png"), std::pair("OTHER", "q8.png")}) {
+    camera.sensor_label = label;
+    auto source = openRawlog(folder.path("b.rawlog"), camera);
+    const auto frames = readFrames(*source);
+    ASSERT_EQ(frames.size(), 1u) << source->problem();
+    EXPECT_EQ(frames[0].label, name);
+    EXPECT_EQ(source->problem(), "");
+  }
 }
 
 TEST(RawlogWriter, RefusesAStampThatARawlogCannotHold) {

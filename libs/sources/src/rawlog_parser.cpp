@@ -254,10 +254,9 @@ Record RawlogParser::parseComment(int version, std::string& label) {
     return OtherRecord{};
   }
   readText(kMaxNameComment);
-  label = readText(kMaxText);
-  const double stamp = readStamp();
+  const double stamp = readStamp();  // MRPT stores no label with a comment
   expectEndFlag();
-  return NameRecord{stamp, label, name};
+  return NameRecord{stamp, name};
 }
 
 /// Steps over an object of any class; what looks like its label.

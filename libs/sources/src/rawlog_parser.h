@@ -36,10 +36,10 @@ struct ActionRecord {
   Pose2 increment;
 };
 
-/// The file that the image with this label and stamp came from.
+/// The file that the next image with this stamp came from.
 struct NameRecord {
   double stamp = 0.0;
-  std::string label, name;
+  std::string name;
 };
 
 /// An object that Engram has no use for.

@@ -194,14 +194,13 @@ void Source::take(NameRecord&& record) {
   names_.push_back(std::move(record));
 }
 
-/// The name that a comment gave to this image; empty when none did.
+/// The name that a comment gave to this image, the last one with its stamp; empty when none did.
 std::string Source::takeName(const ImageRecord& image) {
-  const auto at = std::find_if(names_.begin(), names_.end(), [&](const NameRecord& name) {
-    return name.stamp == image.stamp && name.label == image.label;
-  });
-  if (at == names_.end()) return {};
-  std::string name = std::move(at->name);
-  names_.erase(names_.begin(), at + 1);
+  const auto found = std::find_if(names_.rbegin(), names_.rend(),
+                                  [&](const NameRecord& name) { return name.stamp == image.stamp; });
+  if (found == names_.rend()) return {};
+  std::string name = std::move(found->name);
+  names_.erase(names_.begin(), found.base());
   return name;
 }
 

@@ -184,7 +184,6 @@ class RawlogWriter::Impl {
   void writeName(const types::Frame& frame) {
     mrpt::obs::CObservationComment comment;
     comment.text = commentOf(frame.label);
-    comment.sensorLabel = params_.sensor_label;
     comment.timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(rawlogTicks(frame.stamp)));
     out_->WriteObject(&comment);
   }
