@@ -232,10 +232,10 @@ TEST(GigeNetwork, OneAddressServesOneCamera) {
 TEST(GigeNetwork, OneCameraIsNoStereoPair) {
   const FakeServer server({.rate = 50.0}, numbered(0, 1), [] { return cv::Mat(); });
   GigeParams params = loopback();
-  params.right_camera = params.camera;
-  EXPECT_THAT(refusal(params), HasSubstr("right_camera: '127.0.0.1' is the left camera too"));
-  params.right_camera = "Aravis-Fake-GV01";  // by its other name: the camera itself refuses, or we do
-  EXPECT_THAT(refusal(params), AnyOf(HasSubstr("is the left camera too"), HasSubstr("in use")));
+  for (const std::string name : {"127.0.0.1", "Aravis-Fake-GV01"}) {  // the camera itself refuses, or we do
+    params.right_camera = name;
+    EXPECT_THAT(refusal(params), AnyOf(HasSubstr("is the left camera too"), HasSubstr("in use")));
+  }
 }
 
 TEST(GigeNetwork, SaysThatNoCameraAnswers) {

@@ -255,10 +255,11 @@ class GigeGrabber::Impl {
 
   /// An address and an id may mean the same camera; which one they mean is known when it has answered.
   void requireTwoDevices() const {
-    GigeParams found = params_;
-    found.camera = keepers_.front()->stats().settings.id;
-    found.right_camera = keepers_.size() > 1 ? keepers_.back()->stats().settings.id : "";
-    requireTwoCameras(found);
+    if (keepers_.size() < 2) return;
+    const CameraSettings left = keepers_.front()->stats().settings, right = keepers_.back()->stats().settings;
+    if (left.id == right.id &&
+        !left.address.empty())  // Aravis' own, without a network, is as many as are opened
+      throw base::ConfigError("right_camera: '" + right.id + "' is the left camera too");
   }
 
   void deliver(int side, Shot&& shot) {
@@ -294,7 +295,6 @@ class GigeGrabber::Impl {
 
 GigeGrabber::GigeGrabber(const GigeParams& params, Sink sink) {
   base::validate(params);
-  requireTwoCameras(params);
   impl_ = std::make_unique<Impl>(params, std::move(sink));
 }
 GigeGrabber::~GigeGrabber() = default;
