@@ -3,6 +3,7 @@
 #include "engram/apps/result_stream.h"
 
 #include "engram/apps/pose_tracker.h"
+#include "engram/apps/run_stream.h"
 #include "engram/base/error.h"
 
 #include <gmock/gmock.h>
@@ -15,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <sstream>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -257,6 +259,28 @@ TEST_F(ResultStreamTest, WithoutDescriptorsReadersWaitInPeace) {
   EXPECT_EQ(stream.readers(), 20u);
   for (const int file : files) ::close(file);
   EXPECT_EQ(late.line(), "hello");  // its turn has come
+}
+
+TEST_F(ResultStreamTest, ThatReadersWaitIsSaidOnce) {
+  const FileLimit limit(66);
+  RunStream stream;
+  CLI::App app;
+  stream.declare(app);
+  app.parse(std::vector<std::string>{socket(), "--stream"});  // CLI11 wants them in reverse
+  std::ostringstream notices;
+  stream.open("m.engram", notices);
+  const Client first(socket()), second(socket()), third(socket());
+  const map::TopologicalMap map;
+  while (notices.str().empty()) {
+    stream.sendLocalised({}, map);
+    std::this_thread::sleep_for(1ms);
+  }
+  const std::string said = notices.str();
+  EXPECT_THAT(said, HasSubstr("more readers than can be served (2 at most"));
+  for (int i = 0; i < 20; ++i) stream.sendLocalised({}, map);
+  EXPECT_EQ(notices.str(), said);
+  stream.close(notices);
+  EXPECT_THAT(notices.str(), HasSubstr("readers had to wait (found "));
 }
 
 TEST(StreamLine, HasTheDocumentedKeys) {
