@@ -55,7 +55,7 @@ void RunStream::send(const std::string& line) {
   stream_->send(line);
   if (notices_ == nullptr || stream_->postponed() == 0) return;
   *notices_ << "--stream " << target_ << ": more readers than can be served (" << stream_->mostReaders()
-            << " at most, fewer when descriptors run out); others wait until one goes, or raise ulimit -n\n"
+            << " at most by ulimit -n, fewer when descriptors run out); others wait until one goes\n"
             << std::flush;
   notices_ = nullptr;
 }
