@@ -220,8 +220,10 @@ class GigeGrabber::Impl {
   Impl(const GigeParams& params, Sink sink)
       : params_(params), sink_(std::move(sink)), pairer_(1e-3 * params.stereo_tolerance_ms) {
     addCamera(params.camera, 0);
-    if (!params.right_camera.empty()) addCamera(params.right_camera, 1);
-    requireTwoDevices();
+    if (!params.right_camera.empty()) {
+      requireAnother(keepers_.front()->stats().settings);
+      addCamera(params.right_camera, 1);
+    }
     for (auto& keeper : keepers_) keeper->start();
   }
   ~Impl() { stop(); }
@@ -253,13 +255,12 @@ class GigeGrabber::Impl {
         params_, id, [this, side](Shot&& shot) { deliver(side, std::move(shot)); }, notices_));
   }
 
-  /// An address and an id may mean the same camera; which one they mean is known when it has answered.
-  void requireTwoDevices() const {
-    if (keepers_.size() < 2) return;
-    const CameraSettings left = keepers_.front()->stats().settings, right = keepers_.back()->stats().settings;
-    if (left.id == right.id &&
-        !left.address.empty())  // Aravis' own, without a network, is as many as are opened
-      throw base::ConfigError("right_camera: '" + right.id + "' is the left camera too");
+  /// An address and an id may mean the same camera, which is known when the left one has answered. Those
+  /// without an address are Aravis' own, of which there are as many as are opened.
+  void requireAnother(const CameraSettings& left) const {
+    const std::string& right = params_.right_camera;
+    if (!left.address.empty() && (right == left.id || right == left.address))
+      throw base::ConfigError("right_camera: '" + right + "' is the left camera too; name another one");
   }
 
   void deliver(int side, Shot&& shot) {
