@@ -162,6 +162,7 @@ TEST(ImageFolder, ErrorsNameFileAndLine) {
   EXPECT_THAT(withCsv("image,stamp\na.png\n"), HasSubstr("t.csv:2: 1 columns instead of 2"));
   EXPECT_THAT(withCsv("image,stamp\n"), HasSubstr("lists no images"));
   EXPECT_THAT(withCsv("image,stamp\na.png,inf\n"), HasSubstr("not a finite number"));
+  EXPECT_THAT(withCsv("image,stamp\na.png,0e2000\n"), HasSubstr("the stamp '0e2000' is no number of s"));
   EXPECT_THAT(errorOf([&] { openImageFolder(folder.path(""), folder.path("no.csv")); }),
               HasSubstr("cannot be opened"));
 }

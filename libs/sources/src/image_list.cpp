@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "image_list.h"
 
+#include "engram/base/error.h"
 #include "engram/sources/rawlog_writer.h"
 #include "image_codec.h"
 #include "stamp_queue.h"
@@ -12,6 +13,12 @@ namespace engram::sources {
 namespace {
 
 bool isFinite(const Pose2& pose) { return std::isfinite(pose.x + pose.y + pose.yaw); }
+
+double stampOf(const std::string& written, StampUnit unit) {
+  const auto seconds = secondsOf(written, unit);
+  if (!seconds) throw base::Error("the stamp '" + written + "' is no number of " + toString(unit));
+  return *seconds;
+}
 
 class Source final : public ImageListSource {
  public:
@@ -112,10 +119,10 @@ StampReading setStamps(std::vector<ImageEntry>& entries, const std::vector<std::
   StampReading reading{unit, {}};
   if (unit == StampUnit::kAuto) {
     std::vector<double> numbers;
-    for (const auto& text : written) numbers.push_back(*secondsOf(text, StampUnit::kSeconds));
+    for (const auto& text : written) numbers.push_back(stampOf(text, StampUnit::kSeconds));
     reading = tellStampUnit(numbers);
   }
-  for (std::size_t i = 0; i < entries.size(); ++i) entries[i].stamp = *secondsOf(written[i], reading.unit);
+  for (std::size_t i = 0; i < entries.size(); ++i) entries[i].stamp = stampOf(written[i], reading.unit);
   return reading;
 }
 

@@ -32,7 +32,8 @@ std::unique_ptr<ImageListSource> makeListSource(std::string name, std::vector<Im
                                                 ImageListNotes notes = {});
 
 /// Sets the stamps [s] of a list from their text.
-/// @param written one for each entry: a finite number
+/// Throws base::Error for a text that is no finite number.
+/// @param written one for each entry
 /// @param unit kAuto to tell it from the stamps
 StampReading setStamps(std::vector<ImageEntry>& entries, const std::vector<std::string>& written,
                        StampUnit unit);
