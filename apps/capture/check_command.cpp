@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "capture_command.h"
+#include "engram/apps/checks.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
@@ -24,7 +25,7 @@ class CheckCommand final : public Program {
     app.add_option("rawlog", path_, "Rawlog to read")->required()->type_name("FILE");
     app.add_option("--sensor-label", params_.sensor_label, "Camera to look at; default: the first one");
     app.add_option("--max-loss", maxLoss_, "Exit with 3 when a larger share of the images is missing")
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(between(0, 1));
     app.add_option("--json", json_, "Write the figures to this file")->type_name("FILE");
     app.add_flag("-q,--quiet", quiet_, "No progress on the terminal");
   }

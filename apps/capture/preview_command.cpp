@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "capture_command.h"
+#include "engram/apps/checks.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/capture/bounded_queue.h"
@@ -30,7 +31,7 @@ class PreviewCommand final : public Program {
   void declare(CLI::App& app) override {
     camera_.declare(app);
     app.add_option("--seconds", seconds_, "Stop after so long; default: when the window is closed")
-        ->check(CLI::PositiveNumber);
+        ->check(positive());
   }
   int run(std::ostream& out, std::ostream& err) override;
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "capture_command.h"
+#include "engram/apps/checks.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
@@ -106,19 +107,19 @@ std::string RecordCommand::examples() const {
 void RecordCommand::declare(CLI::App& app) {
   camera_.declare(app);
   app.add_option("--out", out_, "Rawlog to write")->required()->type_name("FILE");
-  app.add_option("--seconds", seconds_, "Stop after so long; default: at Ctrl-C")->check(CLI::PositiveNumber);
-  app.add_option("--images", images_, "Stop after so many images")->check(CLI::PositiveNumber);
+  app.add_option("--seconds", seconds_, "Stop after so long; default: at Ctrl-C")->check(positive());
+  app.add_option("--images", images_, "Stop after so many images")->check(wholeFrom(1));
   app.add_flag("--external", recorder_.writer.external_images,
                "Images as files beside the rawlog instead of inside");
   app.add_option("--quality", recorder_.writer.jpeg_quality, "JPEG quality")
-      ->check(CLI::Range(1, 100))
+      ->check(wholeBetween(1, 100))
       ->capture_default_str();
   app.add_option("--rotate-mb", recorder_.rotate_mb, "Begin a new file, FILE_001 …, after so many megabytes")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   app.add_option_function<double>(
          "--rotate-minutes", [this](double minutes) { recorder_.rotate_s = 60.0 * minutes; },
          "Begin a new file after so long")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   app.add_flag("--overwrite", recorder_.writer.overwrite, "Replace the rawlog if it exists");
   app.add_option("--json", json_, "Write the figures to this file")->type_name("FILE");
   app.add_flag("-q,--quiet", quiet_, "No progress on the terminal");

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "capture_command.h"
+#include "engram/apps/checks.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
@@ -47,12 +48,12 @@ void ServeCommand::declare(CLI::App& app) {
   app.add_option("--serial", params_.serial, "Serial number; the id is Aravis-Fake-SERIAL")
       ->capture_default_str();
   app.add_option("--rate", params_.rate, "Images per second, unless the client sets frame_rate")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(between(0.1, 1000))
       ->capture_default_str();
   app.add_option("--loss", params_.loss, "Share of the network packets that are not sent")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(between(0, 1));
   app.add_option("--seconds", seconds_, "Stop after so long; default: 2 s after the last image")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   app.add_flag("--loop", loop_, "Begin again at the end");
   app.add_flag("-q,--quiet", quiet_, "No progress on the terminal");
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experiment_folder.h"
 
+#include "engram/apps/checks.h"
 #include "engram/apps/program.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
@@ -26,7 +27,7 @@ void ExperimentOptions::declare(CLI::App& command) {
   command.add_option("--seed", seed, "Seed of the building and of everything random")->capture_default_str();
   command.add_option("--threads", threads, "Threads, 0 for all cores; the figures do not depend on it")
       ->capture_default_str()
-      ->check(CLI::Range(0, 256));
+      ->check(wholeBetween(0, 256));
   command.add_flag("--quick", quick, "A small version that takes less than a minute");
   command.add_flag("--dump-config", dump, "Print every key in force with its meaning, and stop");
   command.add_flag("--overwrite", overwrite, "Remove results of other settings from the folder");

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "images_command.h"
 
+#include "engram/apps/checks.h"
 #include "engram/apps/program.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
@@ -9,6 +10,7 @@
 #include "engram/base/interrupt.h"
 #include "engram/base/parallel.h"
 #include "engram/base/progress.h"
+#include "engram/evaluation/truth_match.h"
 #include "engram/pipeline/recogniser.h"
 #include "engram/sources/image_folder_source.h"
 #include "methods.h"
@@ -94,7 +96,7 @@ void ImagesCommand::declare(CLI::App& command) {
   command.add_option("--reference", reference_, "Folder of images of the first traversal: the map");
   command.add_option("--query", query_, "Folder of images of the second traversal");
   command.add_option("--truth", truthFile_, "Ground truth: query,first,last | image,matches | a,b links");
-  command.add_option("--truth-margin", margin_, "Widens the truth by so many images");
+  command.add_option("--truth-margin", margin_, "Widens the truth by so many images")->check(wholeFrom(0));
 }
 
 std::string ImagesCommand::readConfig() {
@@ -124,6 +126,14 @@ std::vector<LearnView> ImagesCommand::readImages(const std::string& folder, pipe
   }
   if (!source->problem().empty()) throw base::Error(source->problem());
   return views;
+}
+
+void ImagesCommand::requireTruthOf(const std::vector<LearnView>& references,
+                                   const std::vector<LearnView>& query) const {
+  evaluation::TruthMatch match;
+  for (const auto& view : query) match.addImage(*truth_, reference(view.frame));
+  for (const auto& view : references) match.addPlace(*truth_, reference(view.frame));
+  if (const auto problem = match.problem(*truth_); !problem.empty()) throw base::Error(problem);
 }
 
 bool ImagesCommand::isRight(const LearnView& query, const LearnView& place) const {
@@ -180,6 +190,7 @@ int ImagesCommand::run(std::ostream& out, std::ostream& err) {
   std::ostream* progress = options_.quiet ? nullptr : &err;
   const auto references = readImages(reference_, perception, progress);
   const auto query = readImages(query_, perception, progress);
+  requireTruthOf(references, query);
 
   const auto methods = comparedMethods(pipeline_, options_.quick ? 200 : 1000);
   std::vector<ImagesResult> results(methods.size());

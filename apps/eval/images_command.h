@@ -39,6 +39,8 @@ class ImagesCommand {
   evaluation::Interval locate(const Contender& contender, const Method& method,
                               const std::vector<LearnView>& reference, const std::vector<LearnView>& query,
                               bool filtered) const;
+  /// Throws base::Error when the truth cannot be that of these images.
+  void requireTruthOf(const std::vector<LearnView>& references, const std::vector<LearnView>& query) const;
   bool isRight(const LearnView& query, const LearnView& place) const;
 
   ExperimentOptions options_;

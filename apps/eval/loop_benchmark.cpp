@@ -5,6 +5,7 @@
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
+#include "engram/evaluation/truth_match.h"
 #include "engram/pipeline/localizer.h"
 #include "engram/pipeline/mapper.h"
 #include "engram/sources/image_folder_source.h"
@@ -132,6 +133,16 @@ void show(const std::string& folder, const PlayOptions& options, std::ostream* e
   }
 }
 
+/// Throws base::Error when the truth cannot be that of these images.
+void requireTruthOf(const Truth& truth, const std::string& images, const std::string& reference) {
+  evaluation::TruthMatch match;
+  const auto names = sources::listImages(images);
+  for (std::size_t i = 0; i < names.size(); ++i) match.addImage(truth, refOf(i, names[i], truth));
+  const auto places = reference.empty() ? std::vector<std::string>{} : sources::listImages(reference);
+  for (std::size_t i = 0; i < places.size(); ++i) match.addPlace(truth, refOf(i, places[i], truth));
+  if (const auto problem = match.problem(truth); !problem.empty()) throw base::Error(problem);
+}
+
 }  // namespace
 
 std::vector<std::size_t> playingOrder(std::size_t images, const PlayOptions& options) {
@@ -149,6 +160,7 @@ std::vector<std::size_t> playingOrder(std::size_t images, const PlayOptions& opt
 }
 
 std::vector<LoopAnswer> LoopBenchmark::run(const Truth& truth) const {
+  requireTruthOf(truth, images, reference);
   pipeline::PipelineParams params = pipeline;
   params.recognise.reported = std::max(params.recognise.reported, kReported);
   pipeline::Mapper mapper(params);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "odometry_command.h"
 
+#include "engram/apps/checks.h"
 #include "engram/apps/program.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
@@ -44,7 +45,7 @@ void OdometryCommand::declare(CLI::App& command) {
       "The body of the truth may be turned against the robot by a constant angle: find it first");
   command.add_flag("--wheels", wheels_,
                    "Predict the motion by the odometry of the rawlog; it is never mixed in");
-  command.add_option("--every", every_, "Use every so many frames only")->check(CLI::Range(1, 1000));
+  command.add_option("--every", every_, "Use every so many frames only")->check(wholeBetween(1, 1000));
   command.add_flag("--dump-config", dump_, "Print every key in force with its meaning, and stop");
   command.add_flag("--overwrite", overwrite_, "Replace the results in the folder");
   command.add_flag("-q,--quiet", quiet_, "No progress, no summary");

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "words_command.h"
 
+#include "engram/apps/checks.h"
 #include "engram/apps/program.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
@@ -65,21 +66,20 @@ void WordsCommand::declare(CLI::App& command) {
                      "Folder of images that make a map first; --images are then located in it");
   command.add_option("--truth", truthFile_,
                      "Ground truth: query,first,last | image,matches | a,b links | TUM");
-  command.add_option("--truth-margin", margin_, "Widens the truth by so many images")
-      ->check(CLI::NonNegativeNumber);
+  command.add_option("--truth-margin", margin_, "Widens the truth by so many images")->check(wholeFrom(0));
   command
       .add_option("--gap", benchmark_.gap,
                   "Without --reference: answers this near in the sequence are no loops")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(wholeFrom(0));
   command
       .add_option("--stops", benchmark_.play.stops,
                   "The robot stands still at three points, so many images each")
-      ->check(CLI::NonNegativeNumber);
+      ->check(wholeFrom(0));
   command
       .add_option("--reverse", benchmark_.play.reverse,
                   "Half-way the robot goes back so many images, and then forward again")
-      ->check(CLI::NonNegativeNumber);
+      ->check(wholeFrom(0));
 }
 
 void WordsCommand::refuseImageOptions() const {

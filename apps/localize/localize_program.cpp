@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "localize_program.h"
 
+#include "engram/apps/checks.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/line_file.h"
@@ -52,8 +53,10 @@ void LocalizeProgram::declare(CLI::App& app) {
                "Forget the belief before every image: global localisation of single images");
   app.add_option("--truth", truth_,
                  "Ground truth: query,first,last | image,matches | a,b links | TUM poses of this drive");
-  app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images, links or places");
-  app.add_option("--truth-radius", truthRadius_, "With TUM truth, places this near are right too [m]");
+  app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images, links or places")
+      ->check(wholeFrom(0));
+  app.add_option("--truth-radius", truthRadius_, "With TUM truth, places this near are right too [m]")
+      ->check(positive());
   app.add_option("--out", csv_, "File for one line an image (.csv)");
   app.add_option("--report", report_, "Folder for the record of every image and the summary");
   stream_.declare(app);
@@ -87,7 +90,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     truth->readPlaces(localizer.map());
   }
 
-  stream_.open(map_);
+  stream_.open(map_, err);
   window_.open(config_.pipeline, map_, err);
   input_.open(config_, err);
 
@@ -103,6 +106,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     if (drive) drive->add(localizer.map(), report);
     if (!drive || !drive->replayed()) stream_.sendLocalised(report, localizer.map());
     figures.add(report);
+    if (truth) truth->note(report);
     window_.after(*frame, report, localizer.map());
     if (records.wanted()) records.add(store::toJson(report));
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
@@ -113,6 +117,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     drive->end(localizer.map(), input_.exitCode() == kOk);
     drive->file().close();
   }
+  if (truth && !base::interrupted()) truth->requireMatch(localizer.map(), err);
   const int code = conclude(figures, out, err);
   for (const base::LineFile* lines : {&csv, &records})
     if (!lines->failure().empty()) err << name() << ": " << lines->failure() << "\n";

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration.h"
+#include "engram/apps/checks.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
@@ -76,13 +77,13 @@ void CalibrateCommand::declare(CLI::App& app) {
       ->check(CLI::IsMember({"engram", "mrpt"}))
       ->capture_default_str();
   app.add_option("--board", board_, "Inner corners of the chessboard, as 9x6")->required()->type_name("WxH");
-  app.add_option("--square", options_.square, "Side of a square [m]")->required()->check(CLI::PositiveNumber);
+  app.add_option("--square", options_.square, "Side of a square [m]")->required()->check(positive());
   app.add_flag("--mirrored", options_.mirrored,
                "The camera looks into a mirror, so left and right are exchanged (a chessboard cannot tell)");
   app.add_option("--inner-radius", mask_.inner_radius, "Mask: ignored disc about the centre [px]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(notNegative());
   app.add_option("--outer-radius", mask_.outer_radius, "Mask: ignored outside this circle [px]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(notNegative());
   app.add_option("--out", out_, "Calibration file to write")->required()->type_name("FILE");
   app.add_flag("--overwrite", overwrite_, "Replace the file if it exists");
   common_.declare(app);

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "engram/apps/checks.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
@@ -68,9 +69,11 @@ class PackCommand final : public Program {
   void makeReprojector(cv::Size size);
   void checkCalibration(const types::Frame& frame) const;
   double nextHeading();
+  std::unique_ptr<sources::ImageListSource> open() const;
 
   CommonOptions common_;
-  std::string images_, right_, stamps_, csv_, camera_, reproject_, heading_ = "0", size_, out_, saveCamera_;
+  std::string images_, right_, stamps_, csv_, stampUnit_, camera_, reproject_, heading_ = "0", size_, out_,
+                                                                               saveCamera_;
   std::uint64_t seed_ = 1;
   double rate_ = 1.0;
   sources::RawlogWriterParams writer_;
@@ -96,12 +99,15 @@ void PackCommand::declare(CLI::App& app) {
   auto* stamps =
       app.add_option("--stamps", stamps_,
                      "names: the number in a file name is Unix time (s, ms, us or ns); else a file with "
-                     "one stamp [s] a line")
+                     "one stamp a line")
           ->type_name("names|FILE");
-  app.add_option("--csv", csv_, "Frames with columns image, stamp [s], right, x, y [m], yaw [rad]")
+  app.add_option("--csv", csv_, "Frames with columns image, stamp, right, x, y [m], yaw [rad]")
       ->excludes(right)
       ->excludes(stamps)
       ->type_name("FILE");
+  app.add_option("--stamp-unit", stampUnit_,
+                 "Unit of the stamps of --csv or of the file of --stamps; default: told from the stamps")
+      ->check(CLI::IsMember(sources::stampUnitNames()));
   app.add_option("--out", out_, "Rawlog to write")->required()->type_name("FILE");
   app.add_flag("--overwrite", writer_.overwrite, "Replace the rawlog if it exists");
   app.add_option("--camera", camera_,
@@ -117,17 +123,20 @@ void PackCommand::declare(CLI::App& app) {
   app.add_option("--save-camera", saveCamera_, "Write the calibration of the packed images")
       ->type_name("FILE");
   app.add_option("--rate", rate_, "Images per second without --csv or --stamps")
-      ->check(CLI::PositiveNumber)
+      ->check(between(1e-6, 1e6))
       ->capture_default_str();
   app.add_option("--label", writer_.sensor_label, "Sensor label of the camera")->capture_default_str();
   app.add_option("--quality", writer_.jpeg_quality, "JPEG quality")
-      ->check(CLI::Range(1, 100))
+      ->check(wholeBetween(1, 100))
       ->capture_default_str();
   app.add_flag("--external", writer_.external_images, "Images as files beside the rawlog instead of inside");
   common_.declare(app);
 }
 
 void PackCommand::prepare() {
+  writer_.file_names = true;  // truth refers to them
+  if (!stampUnit_.empty() && csv_.empty() && (stamps_.empty() || stamps_ == "names"))
+    throw base::Error("--stamp-unit is for --csv and for --stamps FILE");
   if (!size_.empty()) {
     const auto [width, height] = parseSize(size_, "--size");
     wanted_ = cv::Size(width, height);
@@ -217,10 +226,15 @@ types::Frame PackCommand::convert(types::Frame frame) {
   return frame;
 }
 
+std::unique_ptr<sources::ImageListSource> PackCommand::open() const {
+  const auto unit = sources::stampUnitOf(stampUnit_);
+  return csv_.empty() ? sources::openImagePairs(images_, right_, stamps_, unit)
+                      : sources::openImageFolder(images_, csv_, unit);
+}
+
 int PackCommand::run(std::ostream& out, std::ostream& err) {
   prepare();
-  const auto source = csv_.empty() ? sources::openImagePairs(images_, right_, stamps_)
-                                   : sources::openImageFolder(images_, csv_);
+  const auto source = open();
   sources::RawlogWriter writer(out_, writer_);
   base::Progress progress(common_.progressTo(err), "pack");
   cv::Size size;
@@ -246,11 +260,15 @@ int PackCommand::run(std::ostream& out, std::ostream& err) {
   const auto bytes = std::filesystem::file_size(out_);
   out << out_ << ": " << writer.frames() << " images of " << size.width << "x" << size.height << ", "
       << bytes / 1024 << " KB\n";
+  const sources::StampReading stamps = source->stampReading();
+  if (!stamps.why.empty()) out << "  " << stamps.why << "; --stamp-unit forces another\n";
+  if (!source->clockNote().empty()) out << "  " << source->clockNote() << "\n";
   writeJson(common_.json, {{"images", writer.frames()},
                            {"width", size.width},
                            {"height", size.height},
                            {"bytes", bytes},
                            {"headings_deg", headings_},
+                           {"stamp_unit", toString(stamps.unit)},
                            {"problem", source->problem()}});
   return finish(source->problem(), source->problem().empty(), base::interrupted(), err);
 }

@@ -3,23 +3,17 @@
 #include "stereo_import.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 #include "engram/cameras/pinhole.h"
 
 #include <opencv2/core.hpp>
 
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <vector>
 
 namespace engram::apps {
 namespace {
-
-std::string readText(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw base::Error(path + ": cannot be opened; does the file exist and may you read it?");
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 bool isYaml(const std::string& name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
@@ -36,7 +30,7 @@ std::string word(const cv::FileNode& node) { return node.isString() ? static_cas
 
 /// sensor.yaml of EuRoC's ASL format: T_BS, resolution, intrinsics, distortion.
 cameras::CameraRig readEuroc(const std::string& path) {
-  std::string text = readText(path);
+  std::string text = base::readTextFile(path);
   if (!text.starts_with("%YAML")) text = "%YAML:1.0\n---\n" + text;
   cv::FileStorage file;
   try {
@@ -80,7 +74,7 @@ std::vector<Eigen::Matrix<double, 3, 4>> projections(const std::string& text) {
 }
 
 cameras::StereoRig readKitti(const std::string& path, cv::Size imageSize) {
-  const auto found = projections(readText(path));
+  const auto found = projections(base::readTextFile(path));
   if (found.size() < 2) throw base::Error(path + ": holds no two projections of 3 x 4 numbers");
   const auto rig = [&](const Eigen::Matrix<double, 3, 4>& P) {
     const cameras::ImagePlaneParams plane{.fx = P(0, 0), .fy = P(1, 1), .cx = P(0, 2), .cy = P(1, 2)};

@@ -4,6 +4,7 @@
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
+#include "engram/sources/image_folder_source.h"
 #include "engram/sources/odometry_track.h"
 #include "engram/sources/rawlog_source.h"
 #include "rawlog_program.h"
@@ -14,12 +15,19 @@
 #include <cstdio>
 #include <filesystem>
 #include <ostream>
+#include <set>
 #include <vector>
 
 namespace engram::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Whether a name can stand in frames.csv as it is.
+bool isPlain(const std::string& name) {
+  return name.find_first_of(",\"") == std::string::npos && name.front() != '#' && name.front() != ' ' &&
+         name.back() != ' ';
+}
 
 class UnpackCommand final : public Program {
  public:
@@ -46,12 +54,14 @@ class UnpackCommand final : public Program {
 
  private:
   void writeImage(const std::string& name, const cv::Mat& image) const;
+  std::string nameOf(const types::Frame& frame);
   std::string unpackFrame(const types::Frame& frame);
 
   CommonOptions common_;
   std::string path_, folder_, format_ = "png";
   bool overwrite_ = false;
   sources::RawlogParams params_;
+  std::set<std::string> taken_;  // names without extension
 };
 
 void UnpackCommand::writeImage(const std::string& name, const cv::Mat& image) const {
@@ -62,12 +72,26 @@ void UnpackCommand::writeImage(const std::string& name, const cv::Mat& image) co
   base::writeText((fs::path(folder_) / name).string(), std::string(bytes.begin(), bytes.end()), true);
 }
 
+/// The name of the file that was packed, so that truth finds it again, or a running number; without
+/// extension. A rawlog comes from anywhere: its names do not lead out of the folder.
+std::string UnpackCommand::nameOf(const types::Frame& frame) {
+  char number[32];
+  std::snprintf(number, sizeof number, "%06llu", static_cast<unsigned long long>(frame.index));
+  const fs::path file = fs::path(frame.label).filename();
+  std::string name = sources::isImageName(file) ? file.stem().string() : number;
+  if (!isPlain(name)) name = number;
+  if (taken_.contains(name) || taken_.contains(name + "_right")) name = std::string(number) + "_" + name;
+  taken_.insert(name);
+  if (!frame.right.empty()) taken_.insert(name + "_right");
+  return name;
+}
+
 /// Writes the images; returns the line of the CSV.
 std::string UnpackCommand::unpackFrame(const types::Frame& frame) {
-  char name[32], text[160];
-  std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(frame.index));
-  const std::string left = std::string(name) + "." + format_;
-  const std::string right = frame.right.empty() ? "" : std::string(name) + "_right." + format_;
+  char text[160];
+  const std::string name = nameOf(frame);
+  const std::string left = name + "." + format_;
+  const std::string right = frame.right.empty() ? "" : name + "_right." + format_;
   writeImage(left, frame.image);
   if (!right.empty()) writeImage(right, frame.right);
   std::snprintf(text, sizeof text, ",%.7f,", frame.stamp);

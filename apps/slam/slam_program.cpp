@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slam_program.h"
 
+#include "engram/apps/checks.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
@@ -49,9 +50,10 @@ void SlamProgram::declare(CLI::App& app) {
   app.add_option("--report", report_,
                  "Folder for summary, scene, graph, trajectory and the record of every image");
   app.add_option("--truth", truth_, "Ground truth, to count false closures and measure the trajectory");
-  app.add_option("--truth-radius", truthRadius_,
-                 "A closure over more than this is false, with TUM truth [m]");
-  app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images or links");
+  app.add_option("--truth-radius", truthRadius_, "A closure over more than this is false, with TUM truth [m]")
+      ->check(positive());
+  app.add_option("--truth-margin", truthMargin_, "Widens the truth by so many images or links")
+      ->check(wholeFrom(0));
   stream_.declare(app);
   window_.declare(app);
   app.add_option("--json", json_, "File for the final figures");
@@ -85,8 +87,8 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   const auto builder = pipeline::makeMapBuilder(config_.pipeline, std::move(known));
   pipeline::MapBuilder& mapper = *builder;
   if (drive.header() != nullptr) store::requireCompatible(*drive.header(), mapper.header(), path);
-  drive.forget(mapper.map(), firstKept);
-  stream_.open(path);
+  if (keep > 0) drive.forget(mapper.map(), firstKept);
+  stream_.open(path, err);
   window_.open(config_.pipeline, path, err);
   input_.open(config_, err);
 
@@ -138,6 +140,7 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::MapBuilder& mapp
   file.close();
   input_.close();
   stream_.close(err);
+  if (truth && !base::interrupted()) truth->requireMatch(map, err);
   const auto bytes = fs::file_size(file.path());
   auto json = figures.toJson(map, bytes, peakResidentBytes());
   json["live"] = input_.figures();

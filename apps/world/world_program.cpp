@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "world_program.h"
 
+#include "engram/apps/checks.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
 #include "engram/base/error.h"
@@ -47,7 +48,7 @@ void WorldProgram::declareCommon(CLI::App& command) {
   command.add_flag("--dump-config", dump_, "Print every key in force with its meaning, and stop");
   command.add_option("--threads", threads_, "Threads; the output does not depend on it")
       ->capture_default_str()
-      ->check(CLI::Range(1, 256));
+      ->check(wholeBetween(1, 256));
 }
 
 void WorldProgram::declare(CLI::App& app) {
@@ -58,11 +59,11 @@ void WorldProgram::declare(CLI::App& app) {
       ->capture_default_str();
   make_->add_option("--sessions", dataSet_.sessions, "Tours through the building, days or weeks apart")
       ->capture_default_str()
-      ->check(CLI::Range(1, 99));
+      ->check(wholeBetween(1, 99));
   make_->add_option("--out", dataSet_.folder, "Folder of the data set");
   make_->add_flag("--test-drive", dataSet_.testDrive,
                   "One more drive at other positions and headings: test.rawlog");
-  make_->add_option("--spacing", spacing_, "Metres between images (drive.spacing)");
+  make_->add_option("--spacing", spacing_, "Metres between images (drive.spacing)")->check(positive());
   make_->add_option("--layout", dataSet_.layout, "Rawlog of observations, or of actions and sensory frames")
       ->transform(CLI::CheckedTransformer(std::vector<std::pair<std::string, RawlogLayout>>{
           {"observations", RawlogLayout::kObservations}, {"actions", RawlogLayout::kActions}}));
@@ -79,7 +80,7 @@ void WorldProgram::declare(CLI::App& app) {
       ->capture_default_str();
   render_->add_option("--pose", pose_,
                       "x,y,heading of the robot [m, m, degrees]; default: start of the tour");
-  render_->add_option("--session", session_, "Which day")->capture_default_str()->check(CLI::Range(1, 999));
+  render_->add_option("--session", session_, "Which day")->capture_default_str()->check(wholeBetween(1, 999));
   render_->add_option("--out", out_, "Picture (.png or .jpg)");
 
   plan_ = app.add_subcommand("plan", "Write the plan of a building: as text (.txt) or as a picture (.png)");

@@ -176,6 +176,7 @@ TEST(Capture, SaysWhatIsWrong) {
   refused({"--feature", "Nonsense=1"}, "feature Nonsense = 1 is refused");
   refused({"--plugin", "/nowhere.so"}, "no such file");
   refused({"--seconds", "-3"}, "--seconds", kUsage);
+  refused({"--right", "Fake_1"}, "right_camera: 'Fake_1' is the left camera too");
   refused({"--json", folder.path("none/x.json")}, "there is no folder");
 
   std::ofstream(out) << "precious";

@@ -204,6 +204,21 @@ TEST_F(WordsTest, RefusesWhatItCannotUse) {
   EXPECT_EQ(words({"--stops", "-1"}).code, kUsage);
 }
 
+TEST_F(WordsTest, RefusesTheTruthOfOtherImages) {
+  std::ofstream(path("other.csv")) << "image,matches\n501,500\n502,500\n";
+  const RunResult loops =
+      words({"--images", path("both"), "--truth", path("other.csv"), "--out", path("o1")});
+  EXPECT_EQ(loops.code, kError);
+  EXPECT_THAT(loops.err, HasSubstr("0 occur here, and it tells of 0 of 40 images"));
+  const RunResult images =
+      runAs<EvalProgram>({"images", "--reference", path("first"), "--query", path("second"), "--truth",
+                          path("other.csv"), "--out", path("o2"), "-q"});
+  EXPECT_EQ(images.code, kError);
+  EXPECT_THAT(images.err,
+              HasSubstr("other.csv: is not the truth of these images: of its 3 images (numbers in file "
+                        "names) 0 occur here, and it tells of 0 of 20 images"));
+}
+
 /// The public data sets, where this machine has them.
 TEST_F(WordsTest, FindsTheLoopsOfARealWalk) {
   const char* given = std::getenv("ENGRAM_DATASETS");

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/apps/program.h"
+#include "engram/sources/rawlog_writer.h"
 #include "engram/store/map_file.h"
 #include "rawlog_fixture.h"
 #include "run_fixture.h"
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <sstream>
 
 namespace engram::apps {
@@ -112,6 +114,56 @@ TEST_F(LocalizeTest, GlobalAnswersDoNotDependOnTheImagesBefore) {
     return result;
   };
   EXPECT_EQ(answers("tail.csv", 0), answers("all.csv", 15));
+}
+
+TEST_F(LocalizeTest, TheTruthOfAnotherDriveIsRefused) {
+  const RunResult result = run({"--truth", truth(1), "--json", path("l.json")}, rawlog(2));
+  EXPECT_EQ(result.code, kError);
+  EXPECT_THAT(result.err, HasSubstr("1.tum: is not the truth of these images"));
+  EXPECT_FALSE(fs::exists(path("l.json"))) << "no figures by a wrong truth";
+}
+
+/// The first images of the first drive, as engram-rawlog pack keeps them.
+std::string packed(const std::string& path, const std::vector<int>& numbers, bool names = true) {
+  sources::RawlogWriterParams params;
+  params.file_names = names;
+  sources::RawlogWriter writer(path, params);
+  auto frames = firstFrames(numbers.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].label = "IMG_" + std::to_string(numbers[i]) + ".jpg";
+    writer.add(frames[i]);
+  }
+  writer.close();
+  return path;
+}
+
+// The order of the images says that the first one shows the first place; its name, that it was taken
+// elsewhere.
+TEST_F(LocalizeTest, TruthGoesByTheNamesThatPackKept) {
+  std::vector<int> numbers(16);
+  std::iota(numbers.begin(), numbers.end(), 1);
+  std::string matches = "image,matches\n";
+  for (const int n : numbers) matches += std::to_string(n) + "," + std::to_string(n) + "\n";
+  writeBytes(path("t.csv"), matches);
+  const std::string map = path("m.engram");
+  ASSERT_EQ(slam({config(), "--rawlog", packed(path("map.rawlog"), numbers), "--map", map, "-q"}).code, kOk);
+  const auto score = [&](const std::string& log) {
+    const RunResult result = localize({config(), "--map", map, "--rawlog", log, "--global", "--truth",
+                                       path("t.csv"), "--truth-margin", "3", "--json", path("l.json"), "-q"});
+    EXPECT_EQ(result.code, kOk) << result.err;
+    return std::pair(jsonOf(path("l.json"))["best_guess_right"].get<int>(), result.err);
+  };
+  const auto [right, silence] = score(packed(path("a.rawlog"), numbers));
+  EXPECT_EQ(right, 16);
+  EXPECT_EQ(silence, "");
+  numbers[0] = 900;
+  const auto [fewer, stillSilence] = score(packed(path("b.rawlog"), numbers));
+  EXPECT_EQ(fewer, 15);
+  EXPECT_EQ(stillSilence, "");
+  const auto [counted, notice] = score(packed(path("c.rawlog"), numbers, false));
+  EXPECT_EQ(counted, 16);
+  EXPECT_THAT(notice,
+              HasSubstr("16 images have no names (their label is 'CAMERA'): they were counted from 1"));
 }
 
 TEST_F(LocalizeTest, UsageErrorsAndHelp) {

@@ -5,6 +5,7 @@
 #include "engram/base/interrupt.h"
 #include "engram/cameras/camera_rig.h"
 #include "engram/sources/rawlog_source.h"
+#include "engram/sources/rawlog_writer.h"
 #include "program_run.h"
 
 #include <gmock/gmock.h>
@@ -17,6 +18,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <set>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -79,6 +81,10 @@ TEST_F(RawlogTool, UsageErrors) {
   EXPECT_EQ(run({"pack"}).code, kUsage);
   EXPECT_EQ(run({"info", "x", "--colour"}).code, kUsage);
   EXPECT_EQ(run({"unpack", "x", "--out", "y", "--format", "gif"}).code, kUsage);
+  const RunResult comma =
+      run({"calibrate", "--images", "x", "--board", "9x6", "--square", "0,03", "--out", "y"});
+  EXPECT_EQ(comma.code, kUsage);
+  EXPECT_THAT(comma.err, HasSubstr("--square: '0,03' is not a number: the decimal sign is a point, 0.03"));
 }
 
 TEST_F(RawlogTool, PackInfoUnpackPackAgain) {
@@ -102,7 +108,7 @@ TEST_F(RawlogTool, PackInfoUnpackPackAgain) {
 
   const RunResult unpack = run({"unpack", path("a.rawlog"), "--out", path("b"), "-q"});
   EXPECT_EQ(unpack.code, kOk) << unpack.err;
-  EXPECT_THAT(bytesOf("b/frames.csv"), HasSubstr("000002.png,101.5000000,,2,0.5,0.2\n"));
+  EXPECT_THAT(bytesOf("b/frames.csv"), HasSubstr("p2.png,101.5000000,,2,0.5,0.2\n"));
   const RunResult again =
       run({"pack", "--images", path("b"), "--csv", path("b/frames.csv"), "--out", path("c.rawlog"), "-q"});
   EXPECT_EQ(again.code, kOk) << again.err;
@@ -115,6 +121,133 @@ TEST_F(RawlogTool, PackInfoUnpackPackAgain) {
     EXPECT_LT(cv::norm(a->image, b->image, cv::NORM_L1) / (128.0 * 64 * 3), 1.0);
   }
   EXPECT_FALSE(second->next());
+}
+
+/// Six images, 0.1 s apart, with stamps in this unit; half a second is 500 milliseconds.
+std::string stampedCsv(long long first, long long step) {
+  std::string csv = "image,stamp\n";
+  for (int i = 0; i < 6; ++i) csv += cv::format("p%d.png,%lld\n", i, first + step * i);
+  return csv;
+}
+
+std::vector<types::Frame> framesOf(const std::string& path) {
+  auto source = sources::openRawlog(path);
+  std::vector<types::Frame> frames;
+  while (auto frame = source->next()) frames.push_back(std::move(*frame));
+  EXPECT_EQ(source->problem(), "");
+  return frames;
+}
+
+TEST_F(RawlogTool, StampsInAnyUnitMakeTheSameRawlog) {
+  makeImages("in", 6);
+  const auto pack = [&](const std::string& csv, std::vector<std::string> more) {
+    write("t.csv", csv);
+    more.insert(more.begin(), {"pack", "--images", path("in"), "--csv", path("t.csv"), "--out",
+                               path("a.rawlog"), "-q", "--overwrite", "--json", path("j.json")});
+    return run(more);
+  };
+  for (const auto& [unit, perSecond] :
+       std::vector<std::pair<std::string, long long>>{{"ms", 1000}, {"us", 1000000}, {"ns", 1000000000}}) {
+    const RunResult result = pack(stampedCsv(1700000000 * perSecond, perSecond / 10), {});
+    EXPECT_EQ(result.code, kOk) << result.err;
+    EXPECT_THAT(result.out,
+                AllOf(HasSubstr("taken for"), HasSubstr("since 1970; --stamp-unit forces another")));
+    EXPECT_EQ(json("j.json")["stamp_unit"], unit);
+    const auto frames = framesOf(path("a.rawlog"));
+    ASSERT_EQ(frames.size(), 6u);
+    for (std::size_t i = 0; i < 6; ++i)
+      EXPECT_NEAR(frames[i].stamp, 1.7e9 + 0.1 * static_cast<double>(i), 3e-7);
+  }
+  // Without the date the rate of the images tells, and the user may know better.
+  EXPECT_THAT(pack(stampedCsv(0, 100), {}).out,
+              HasSubstr("taken for milliseconds: 0.1 s lie between images"));
+  EXPECT_THAT(pack(stampedCsv(0, 100), {}).out, HasSubstr("in s it would be 100 s"));
+  EXPECT_EQ(pack(stampedCsv(0, 100), {"--stamp-unit", "s"}).code, kOk);
+  EXPECT_EQ(framesOf(path("a.rawlog"))[5].stamp, 500.0);
+  EXPECT_EQ(pack(stampedCsv(0, 100), {"--stamp-unit", "h"}).code, kUsage);
+  write("stamps.txt",
+        "1700000000000\n1700000000100\n1700000000200\n1700000000300\n1700000000400\n1700000000500\n");
+  EXPECT_EQ(
+      run({"pack", "--images", path("in"), "--stamps", path("stamps.txt"), "--out", path("b.rawlog"), "-q"})
+          .code,
+      kOk);
+  EXPECT_NEAR(framesOf(path("b.rawlog"))[5].stamp, 1.7e9 + 0.5, 3e-7);
+}
+
+TEST_F(RawlogTool, StampUnitWithoutStampsIsRefused) {
+  makeImages("in", 1);
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--stamps", "names"}}) {
+    std::vector<std::string> arguments{"pack",           "--images",     path("in"), "--out",
+                                       path("a.rawlog"), "--stamp-unit", "ms"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const RunResult result = run(arguments);
+    EXPECT_EQ(result.code, kError);
+    EXPECT_THAT(result.err, HasSubstr("--stamp-unit is for --csv and for --stamps FILE"));
+  }
+}
+
+TEST_F(RawlogTool, PackTellsOfAClockThatWasSetAndLosesNothing) {
+  makeImages("in", 1);
+  std::string csv = "image,stamp\n";
+  for (const double start : {20.0, 1.7e9, 1.6e9})
+    for (int i = 0; i < 12; ++i) csv += "p0.png," + std::to_string(start + 0.1 * i) + "\n";
+  write("t.csv", csv);
+  const RunResult result =
+      run({"pack", "--images", path("in"), "--csv", path("t.csv"), "--out", path("a.rawlog"), "-q"});
+  EXPECT_EQ(result.code, kOk) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("the clock leapt ahead by more than a year (1x)"));
+  auto source = sources::openRawlog(path("a.rawlog"));
+  std::size_t images = 0;
+  while (source->next()) ++images;
+  EXPECT_EQ(images, 36u);
+  EXPECT_EQ(source->stats().imagesBadStamp, 0u);
+}
+
+TEST_F(RawlogTool, TheNamesOfImagesSurvivePackAndUnpack) {
+  fs::create_directory(path("in"));
+  fs::create_directory(path("in/more"));
+  const std::vector<std::string> names{"IMG_41.png", "kitchen.png", "more/IMG_41.png", "a b 7.png"};
+  std::string csv = "image,stamp\n";
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    cv::imwrite(path("in/" + names[i]),
+                cv::Mat(16, 16, CV_8UC1, cv::Scalar(40.0 * static_cast<double>(i + 1))));
+    csv += names[i] + "," + std::to_string(i) + "\n";
+  }
+  write("t.csv", csv);
+  ASSERT_EQ(
+      run({"pack", "--images", path("in"), "--csv", path("t.csv"), "--out", path("a.rawlog"), "-q"}).code,
+      kOk);
+  const auto frames = framesOf(path("a.rawlog"));
+  ASSERT_EQ(frames.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(frames[i].label, names[i]);
+  ASSERT_EQ(run({"unpack", path("a.rawlog"), "--out", path("u"), "-q"}).code, kOk);
+  for (const char* name : {"IMG_41.png", "kitchen.png", "000002_IMG_41.png", "a b 7.png"})
+    EXPECT_TRUE(fs::exists(path(std::string("u/") + name))) << name;
+  ASSERT_EQ(
+      run({"pack", "--images", path("u"), "--csv", path("u/frames.csv"), "--out", path("b.rawlog"), "-q"})
+          .code,
+      kOk);
+  EXPECT_EQ(framesOf(path("b.rawlog"))[3].label, "a b 7.png");
+}
+
+TEST_F(RawlogTool, NamesInARawlogDoNotLeadOutOfTheFolder) {
+  sources::RawlogWriterParams params;
+  params.file_names = true;
+  sources::RawlogWriter writer(path("a.rawlog"), params);
+  for (const std::string label : {"../../evil.png", "/tmp/evil2.png", "..", "a,b.png", "#c.png"}) {
+    types::Frame frame;
+    frame.stamp = static_cast<double>(writer.frames());
+    frame.image = cv::Mat(16, 16, CV_8UC1, cv::Scalar(90));
+    frame.label = label;
+    writer.add(frame);
+  }
+  writer.close();
+  ASSERT_EQ(run({"unpack", path("a.rawlog"), "--out", path("in/side/u"), "-q"}).code, kOk);
+  std::set<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(path("in")))
+    if (entry.is_regular_file()) files.insert(fs::relative(entry.path(), path("in/side/u")).string());
+  EXPECT_EQ(files, (std::set<std::string>{"000002.png", "000003.png", "000004.png", "evil.png", "evil2.png",
+                                          "frames.csv"}));
 }
 
 TEST_F(RawlogTool, ReprojectIsDeterministicAndSeeded) {
@@ -210,7 +343,7 @@ TEST_F(RawlogTool, DamagedInputIsUsedInPartAndSaid) {
   EXPECT_THAT(json("i.json")["damage"].get<std::string>(), HasSubstr("truncated"));
   const RunResult unpack = run({"unpack", path("a.rawlog"), "--out", path("u"), "-q"});
   EXPECT_EQ(unpack.code, kPartial);
-  EXPECT_TRUE(fs::exists(path("u/000001.png")));
+  EXPECT_TRUE(fs::exists(path("u/p1.png")));
 
   write("in/p3.png", "no image");
   const RunResult pack = run({"pack", "--images", path("in"), "--out", path("b.rawlog"), "-q"});

@@ -3,17 +3,25 @@
 #include "engram/apps/result_stream.h"
 
 #include "engram/apps/pose_tracker.h"
+#include "engram/apps/run_stream.h"
 #include "engram/base/error.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include <cerrno>
 #include <chrono>
+#include <csignal>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <sstream>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
 
@@ -23,6 +31,7 @@ namespace {
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
 
 /// A program that reads the stream.
 class Client {
@@ -163,6 +172,115 @@ TEST_F(ResultStreamTest, TakesOverASocketOfACrashedProgramOnly) {
   EXPECT_THAT(refusal(folder_ + "/file"), HasSubstr("is no socket"));
   EXPECT_THAT(refusal(folder_ + "/none/s"), HasSubstr("--stream " + folder_ + "/none/s: No such file"));
   EXPECT_THAT(refusal(std::string(200, 'x')), HasSubstr("too long"));
+}
+
+/// Open files of this process, limited for as long as this lives.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t most) {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    const rlimit limit{most, before_.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  ~FileLimit() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+/// Readers in a process of their own, so that their descriptors are not ours. They try until all are
+/// connected, and go with this object.
+class Crowd {
+ public:
+  Crowd(const std::string& path, int readers) : process_(fork()) {
+    if (process_ != 0) return;
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    for (int i = 0; i < readers; ++i) {
+      const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0);
+      while (::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+        usleep(1000);
+    }
+    pause();
+    std::_Exit(0);
+  }
+  ~Crowd() {
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+  }
+  Crowd(const Crowd&) = delete;
+  Crowd& operator=(const Crowd&) = delete;
+
+ private:
+  pid_t process_;
+};
+
+/// How often a reader may have been found waiting in `time`: twice a second, and not thousands of times.
+double atMostIn(Clock::duration time) { return 2.0 + std::chrono::duration<double>(time).count() / 0.5; }
+
+TEST_F(ResultStreamTest, ACrowdOfReadersLeavesTheRunItsDescriptors) {
+  auto crowd = std::make_unique<Crowd>(socket(), 320);  // before there are threads, and before the limit
+  const FileLimit limit(128);
+  const auto start = Clock::now();
+  ResultStream stream(socket(), "hello");
+  EXPECT_EQ(stream.mostReaders(), 64u);
+  waitForReaders(stream, 64);
+  while (stream.postponed() < 2) std::this_thread::sleep_for(1ms);
+  EXPECT_LE(static_cast<double>(stream.postponed()), atMostIn(Clock::now() - start));
+  EXPECT_EQ(stream.readers(), 64u);
+  std::vector<int> files;  // what the run opens: a map, a rawlog, a camera
+  while (files.size() < 40) files.push_back(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  EXPECT_THAT(files, ::testing::Each(::testing::Ge(0)));
+  for (const int file : files) ::close(file);
+  crowd.reset();
+  waitForReaders(stream, 0);
+  Client late(socket());
+  EXPECT_EQ(late.line(), "hello");
+}
+
+TEST_F(ResultStreamTest, WithoutDescriptorsReadersWaitInPeace) {
+  const Crowd crowd(socket(), 20);
+  const FileLimit limit(128);
+  const auto start = Clock::now();
+  ResultStream stream(socket(), "hello");
+  waitForReaders(stream, 20);
+  std::vector<int> files;
+  for (int file; (file = ::open("/dev/null", O_RDONLY | O_CLOEXEC)) >= 0;) files.push_back(file);
+  ASSERT_EQ(errno, EMFILE);
+  ::close(files.back());
+  files.pop_back();
+  Client late(socket());  // takes the last descriptor
+  while (stream.postponed() < 2) std::this_thread::sleep_for(1ms);
+  EXPECT_LE(static_cast<double>(stream.postponed()), atMostIn(Clock::now() - start));
+  EXPECT_EQ(stream.readers(), 20u);
+  for (const int file : files) ::close(file);
+  EXPECT_EQ(late.line(), "hello");  // its turn has come
+}
+
+TEST_F(ResultStreamTest, ThatReadersWaitIsSaidOnce) {
+  const FileLimit limit(66);
+  RunStream stream;
+  CLI::App app;
+  stream.declare(app);
+  app.parse(std::vector<std::string>{socket(), "--stream"});  // CLI11 wants them in reverse
+  std::ostringstream notices;
+  stream.open("m.engram", notices);
+  const Client first(socket()), second(socket()), third(socket());
+  const map::TopologicalMap map;
+  while (notices.str().empty()) {
+    stream.sendLocalised({}, map);
+    std::this_thread::sleep_for(1ms);
+  }
+  const std::string said = notices.str();
+  EXPECT_THAT(said, HasSubstr("more readers than can be served (2 at most"));
+  for (int i = 0; i < 20; ++i) stream.sendLocalised({}, map);
+  EXPECT_EQ(notices.str(), said);
+  stream.close(notices);
+  EXPECT_THAT(notices.str(), HasSubstr("readers had to wait (found "));
 }
 
 TEST(StreamLine, HasTheDocumentedKeys) {

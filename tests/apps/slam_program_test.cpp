@@ -39,6 +39,20 @@ class SlamTest : public RunTest {
   }
 };
 
+TEST_F(SlamTest, TheTruthOfAnotherDriveIsRefusedAndTheMapKept) {
+  const RunResult result =
+      slam({config(), "--rawlog", rawlog(1), "--map", path("m.engram"), "--truth", truth(2), "-q"});
+  EXPECT_EQ(result.code, kError);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("2.tum: is not the truth of these images"),
+                                HasSubstr("of 38 images"), HasSubstr("What else was done is kept")));
+  EXPECT_EQ(soundImages(path("m.engram")), 38u);
+  writeBytes(path("links.csv"), "a,b\n1,2\n2,3\n");
+  const RunResult unnamed =
+      slam({config(), "--rawlog", rawlog(1), "--map", path("n.engram"), "--truth", path("links.csv"), "-q"});
+  EXPECT_EQ(unnamed.code, kError);
+  EXPECT_THAT(unnamed.err, HasSubstr("38 images have none (their label is 'CAMERA')"));
+}
+
 TEST_F(SlamTest, MapsADriveAndSaysSo) {
   const RunResult result = slam({config(), "--rawlog", rawlog(1), "--map", path("m.engram"), "--truth",
                                  truth(1), "--json", path("m.json")});

@@ -149,6 +149,20 @@ class CameraFilesOnDisk : public testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(CameraFilesOnDisk, AnyEditorMayHaveWrittenThem) {
+  const std::string truth = toText(parseCamera(kOmni, "text"));
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    std::string text = "\xEF\xBB\xBF# mine\n" + kOmni;
+    for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += end.size())
+      text.replace(at, 1, end);
+    const std::string path = (folder_ / "cam.ini").string();
+    std::ofstream(path, std::ios::binary) << text;
+    EXPECT_EQ(toText(loadCamera(path)), truth);
+    EXPECT_FALSE(describesStereo(path));
+  }
+  EXPECT_THROW(loadCamera(folder_.string()), base::ConfigError);
+}
+
 TEST_F(CameraFilesOnDisk, MaskImageTravelsWithTheFile) {
   cv::Mat image(48, 64, CV_8U, cv::Scalar(255));
   image(cv::Rect(0, 0, 10, 48)) = 0;

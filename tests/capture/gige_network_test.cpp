@@ -205,6 +205,39 @@ TEST(GigeNetwork, SaysWhyACameraCannotBeUsed) {
   EXPECT_THAT(refusal(loopback()), HasSubstr("in use by another program"));
 }
 
+std::string refusalToServe(const std::string& interface) {
+  try {
+    const FakeServer server({.interface = interface}, numbered(0, 1), [] { return cv::Mat(); });
+  } catch (const base::Error& e) {
+    return e.what();
+  }
+  return {};
+}
+
+TEST(GigeNetwork, OneAddressServesOneCamera) {
+  {
+    const FakeServer first({.rate = 50.0}, numbered(0, 1), [] { return cv::Mat(); });
+    for (const std::string interface : {"127.0.0.1", "lo"})
+      EXPECT_THAT(refusalToServe(interface), HasSubstr("another program serves a camera there"));
+    Collector got;  // and the first is none the worse for it
+    const GigeGrabber user(loopback(), got.sink());
+    EXPECT_TRUE(got.waitFor(3, 5s));
+  }
+  EXPECT_EQ(refusalToServe("127.0.0.1"), "");
+  FakeCameraProcess other;
+  std::this_thread::sleep_for(300ms);
+  EXPECT_THAT(refusalToServe("127.0.0.1"), HasSubstr("UDP port 3956 is taken"));
+}
+
+TEST(GigeNetwork, OneCameraIsNoStereoPair) {
+  const FakeServer server({.rate = 50.0}, numbered(0, 1), [] { return cv::Mat(); });
+  GigeParams params = loopback();
+  for (const std::string name : {"127.0.0.1", "Aravis-Fake-GV01"}) {
+    params.right_camera = name;
+    EXPECT_THAT(refusal(params), HasSubstr("right_camera: '" + name + "' is the left camera too"));
+  }
+}
+
 TEST(GigeNetwork, SaysThatNoCameraAnswers) {
   EXPECT_THAT(refusal({}), HasSubstr("no camera was found; no camera answers"));
   EXPECT_THROW(FakeServer({.interface = "nonsense0"}, numbered(0, 1), [] { return cv::Mat(); }), base::Error);

@@ -76,6 +76,10 @@ TEST(LiveConfig, IsStrict) {
   EXPECT_THAT(complaint("[a]\nexposure_us = -3\n", "a"), HasSubstr("robot.ini:2: [a] exposure_us"));
   EXPECT_THAT(complaint("[a]\ndriver = CHokuyoURG\n", "a"), HasSubstr("EngramGigECamera"));
   EXPECT_THAT(complaint("[a]\nodometry = wheels\n", "a"), HasSubstr("no section [wheels]"));
+  EXPECT_THAT(complaint("[a]\ncamera = L\nright_camera = L\n", "a"),
+              HasSubstr("robot.ini: [a] right_camera: 'L' is the left camera too"));
+  base::IniFile pair = base::IniFile::parse("[a]\ncamera = L\nright_camera = R\n", "robot.ini");
+  EXPECT_EQ(takeLiveConfig(pair, "a").camera.right_camera, "R");
   base::IniFile empty = base::IniFile::parse("", "");
   EXPECT_EQ(takeLiveConfig(empty, "camera", true).camera.camera, "");
 }

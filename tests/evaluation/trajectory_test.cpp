@@ -63,6 +63,20 @@ TEST(Tum, ReadsTheOrderOfTheQuaternion) {
   EXPECT_TRUE((t[0].T_world_body.linear() * Vector3d::UnitX()).isApprox(Vector3d::UnitY(), 1e-6));
 }
 
+TEST(Tum, AnyEditorMayHaveWrittenIt) {
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    const auto t = parseTum(
+        "\xEF\xBB\xBF"
+        "1 2 3 4 0 0 0 1" +
+            end + "# c" + end + "2 5 6 7 0 0 0 1",
+        "f");
+    ASSERT_EQ(t.size(), 2u);
+    EXPECT_TRUE(t[0].T_world_body.translation().isApprox(Vector3d(2, 3, 4)));
+    EXPECT_TRUE(t[1].T_world_body.translation().isApprox(Vector3d(5, 6, 7)));
+  }
+  EXPECT_THAT([] { readTum("/tmp"); }, ThrowsMessage<base::Error>(HasSubstr("/tmp: is a folder")));
+}
+
 TEST(Tum, RefusesWithFileAndLine) {
   const auto refuses = [](const std::string& text, const std::string& message) {
     EXPECT_THAT([&] { parseTum(text, "f.tum"); }, ThrowsMessage<base::Error>(HasSubstr(message)));
@@ -74,7 +88,7 @@ TEST(Tum, RefusesWithFileAndLine) {
   refuses("1 0 0 0 0 0 0 2\n", "f.tum:1: the quaternion is not of unit length");
   refuses("1 0 0 0 0 0 0 1\n# c\n1 0 0 0 0 0 0 1\n", "f.tum:3: the stamp is not later than the one before");
   EXPECT_THAT([] { readTum("/nowhere.tum"); },
-              ThrowsMessage<base::Error>(HasSubstr("/nowhere.tum: cannot be read")));
+              ThrowsMessage<base::Error>(HasSubstr("/nowhere.tum: cannot be opened")));
 }
 
 TEST(PoseAt, InterpolatesAlongTheScrewOfAConstantTurn) {

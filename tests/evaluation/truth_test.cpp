@@ -112,6 +112,18 @@ TEST(TruthPoses, CompareTheInterpolatedPositionWithTheSurveyedOne) {
   EXPECT_NEAR(truth.position(10.25)->x(), 0.5, 1e-12);
 }
 
+TEST(TruthFiles, OfAnyEditorAreRead) {
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    const auto truth = Truth::parse(
+        "\xEF\xBB\xBF"
+        "query,first,last" +
+            end + "7,5,9",
+        "t.csv");
+    EXPECT_EQ(truth.judge(frame(7), frame(9)), Verdict::kRight);
+    EXPECT_EQ(truth.judge(frame(7), frame(10)), Verdict::kWrong);
+  }
+}
+
 TEST(TruthErrors, NameFileLineAndReason) {
   const auto refuses = [](const std::string& text, const std::string& message) {
     EXPECT_THAT([&] { Truth::parse(text, "t.csv"); }, ThrowsMessage<base::Error>(HasSubstr(message))) << text;
@@ -137,7 +149,7 @@ TEST(TruthErrors, NameFileLineAndReason) {
   refuses("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0\n", "t.csv:2: expected 8 numbers");
   EXPECT_THAT(
       [] { Truth::load("/nowhere/truth.csv"); },
-      ThrowsMessage<base::Error>(AllOf(HasSubstr("/nowhere/truth.csv"), HasSubstr("cannot be read"))));
+      ThrowsMessage<base::Error>(AllOf(HasSubstr("/nowhere/truth.csv"), HasSubstr("cannot be opened"))));
   EXPECT_THAT([] { Truth::parse("query,first,last\n0,1,2\n", "t", margin(-1)); },
               ThrowsMessage<base::Error>(HasSubstr("--truth-margin")));
 }

@@ -88,6 +88,64 @@ TEST(ImageFolder, BadImagesAndStampsAreLeftOutAndNamed) {
   EXPECT_THAT(source->problem(), HasSubstr("1 image(s) left out: the stamp repeats or goes back"));
 }
 
+TEST(ImageFolder, CsvOfAnyEditor) {
+  const TempFolder folder;
+  for (const int n : {1, 2}) cv::imwrite(folder.path(cv::format("%d.png", n)), picture(n, {20, 10}, 1));
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    writeText(folder.path("t.csv"), "\xEF\xBB\xBFimage,stamp" + end + "2.png,1.5" + end + "1.png,2.5");
+    const auto frames = readFrames(*openImageFolder(folder.path(""), folder.path("t.csv")));
+    ASSERT_EQ(frames.size(), 2u);
+    EXPECT_EQ(frames[1].label, "1.png");
+    EXPECT_EQ(frames[1].stamp, 2.5);
+  }
+  EXPECT_THAT(errorOf([&] { openImageFolder(folder.path(""), folder.path("")); }), HasSubstr("is a folder"));
+}
+
+TEST(ImageFolder, StampsAreReadInTheirUnit) {
+  const TempFolder folder;
+  cv::imwrite(folder.path("1.png"), picture(1, {20, 10}, 1));
+  const std::vector<std::pair<std::string, std::string>> files{
+      {"1700000000.5", "1700000001.25"},
+      {"1700000000500", "1700000001250"},
+      {"1700000000500000", "1700000001250000"},
+      {"1700000000500000000", "1700000001250000000"}};
+  for (std::size_t i = 0; i < files.size(); ++i)
+    for (const auto unit : {StampUnit::kAuto, stampUnitOf(stampUnitNames()[i])}) {
+      writeText(folder.path("t.csv"),
+                "image,stamp\n1.png," + files[i].first + "\n1.png," + files[i].second + "\n");
+      auto source = openImageFolder(folder.path(""), folder.path("t.csv"), unit);
+      EXPECT_EQ(toString(source->stampReading().unit), stampUnitNames()[i]);
+      const auto frames = readFrames(*source);
+      ASSERT_EQ(frames.size(), 2u) << source->problem();
+      EXPECT_EQ(frames[0].stamp, 1700000000.5);
+      EXPECT_EQ(frames[1].stamp, 1700000001.25);
+    }
+}
+
+TEST(ImageFolder, AClockThatWasSetLosesNoImage) {
+  const TempFolder folder;
+  cv::imwrite(folder.path("1.png"), picture(1, {20, 10}, 1));
+  std::string csv = "image,stamp\n";
+  for (const double start : {12.0, 1.7e9, 1.6e9})  // power-on, time from the network, set back
+    for (int i = 0; i < 15; ++i) csv += "1.png," + std::to_string(start + 0.1 * i) + "\n";
+  writeText(folder.path("t.csv"), csv);
+  auto source = openImageFolder(folder.path(""), folder.path("t.csv"), StampUnit::kSeconds);
+  EXPECT_EQ(readFrames(*source).size(), 45u);
+  EXPECT_EQ(source->problem(), "");
+  EXPECT_THAT(source->clockNote(),
+              HasSubstr("set back (1x); the clock leapt ahead by more than a year (1x)"));
+}
+
+TEST(ImageFolder, StampsThatARawlogCannotHoldAreLeftOut) {
+  const TempFolder folder;
+  cv::imwrite(folder.path("1.png"), picture(1, {20, 10}, 1));
+  writeText(folder.path("t.csv"), "image,stamp\n1.png,1\n1.png,1e17\n1.png,2\n1.png,2.00000001\n1.png,3\n");
+  auto source = openImageFolder(folder.path(""), folder.path("t.csv"), StampUnit::kSeconds);
+  EXPECT_EQ(readFrames(*source).size(), 3u);
+  EXPECT_THAT(source->problem(), HasSubstr("1 image(s) left out: a rawlog cannot hold the stamp"));
+  EXPECT_THAT(source->problem(), HasSubstr("1 image(s) left out: the stamp repeats")) << "within 100 ns";
+}
+
 TEST(ImageFolder, ErrorsNameFileAndLine) {
   const TempFolder folder;
   EXPECT_THAT(errorOf([&] { openImageFolder(folder.path("none")); }), HasSubstr("no such folder"));
@@ -104,6 +162,7 @@ TEST(ImageFolder, ErrorsNameFileAndLine) {
   EXPECT_THAT(withCsv("image,stamp\na.png\n"), HasSubstr("t.csv:2: 1 columns instead of 2"));
   EXPECT_THAT(withCsv("image,stamp\n"), HasSubstr("lists no images"));
   EXPECT_THAT(withCsv("image,stamp\na.png,inf\n"), HasSubstr("not a finite number"));
+  EXPECT_THAT(withCsv("image,stamp\na.png,0e2000\n"), HasSubstr("the stamp '0e2000' is no number of s"));
   EXPECT_THAT(errorOf([&] { openImageFolder(folder.path(""), folder.path("no.csv")); }),
               HasSubstr("cannot be opened"));
 }

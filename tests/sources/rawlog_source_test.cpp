@@ -226,6 +226,39 @@ TEST(RawlogSource, BadOdometryAndStampsAreLeftOut) {
   EXPECT_THAT(source->problem(), HasSubstr("1 odometry reading left out: not a number"));
 }
 
+TEST(RawlogSource, AClockThatWasSetLosesNoImage) {
+  const TempFolder folder;
+  Objects objects;
+  for (const double start : {kStart - 1e9, kStart, kStart - 1000})
+    for (int i = 0; i < 15; ++i) {
+      objects.push_back(odometryObject(start + 0.1 * i, 0.1 * i, 0, 0));
+      objects.push_back(imageObject(start + 0.1 * i, picture(i, {16, 16})));
+    }
+  writeWithMrpt(folder.path("a.rawlog"), objects, true);
+  auto source = openRawlog(folder.path("a.rawlog"));
+  const auto frames = readFrames(*source);
+  ASSERT_EQ(frames.size(), 45u);
+  EXPECT_NEAR(frames[15].stamp, kStart, 1e-6);
+  EXPECT_NEAR(frames[20].T_odom_robot->translation().x(), 0.5, 1e-6);
+  EXPECT_NEAR(frames[35].T_odom_robot->translation().x(), 0.5, 1e-6);
+  EXPECT_EQ(source->stats().imagesBadStamp + source->stats().odometryBadStamp, 0u);
+  EXPECT_THAT(source->problem(),
+              HasSubstr("1 time the clock leapt ahead by more than a year: time starts anew"));
+  EXPECT_THAT(source->problem(), HasSubstr("1 time the clock was set back: time starts anew"));
+}
+
+TEST(RawlogSource, AWildStampIsNamedAsWhatItIs) {
+  const TempFolder folder;
+  Objects objects;
+  for (int i = 0; i < 5; ++i)
+    objects.push_back(imageObject(kStart + i + (i == 2 ? 1e9 : 0), picture(i, {16, 16})));
+  writeWithMrpt(folder.path("a.rawlog"), objects, true);
+  auto source = openRawlog(folder.path("a.rawlog"));
+  EXPECT_EQ(readFrames(*source).size(), 4u);
+  EXPECT_THAT(source->problem(), HasSubstr("1 image left out: the stamp leaps ahead by more than a year"));
+  EXPECT_THAT(source->problem(), ::testing::Not(HasSubstr("goes back")));
+}
+
 TEST(RawlogSource, LookAheadIsBounded) {
   const TempFolder folder;
   Objects objects{odometryObject(kStart, 0, 0, 0)};

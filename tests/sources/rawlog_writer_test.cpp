@@ -9,13 +9,16 @@
 
 #include <gmock/gmock.h>
 #include <mrpt/io/CFileGZInputStream.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/serialization/CArchive.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include <cmath>
 #include <csignal>
+#include <limits>
 #include <sys/resource.h>
 
 namespace engram::sources::test {
@@ -69,6 +72,112 @@ TEST(RawlogWriter, RoundTripExternal) {
   writeFrames(folder.path("a.rawlog"), 5, params);
   EXPECT_TRUE(fs::exists(folder.path("a_Images/CAMERA_000004.jpg")));
   expectRoundTrip(folder.path("a.rawlog"), 5);
+}
+
+/// The names of the files that the frames of a rawlog came from.
+std::vector<std::string> labelsIn(const std::string& path) {
+  std::vector<std::string> labels;
+  auto source = openRawlog(path);
+  for (const auto& frame : readFrames(*source)) labels.push_back(frame.label);
+  EXPECT_EQ(source->problem(), "");
+  return labels;
+}
+
+TEST(RawlogWriter, KeepsTheNamesOfImageFilesOnRequest) {
+  const std::vector<std::string> names{"IMG_9.jpg", "cam/kitchen 2.png", "\xC3\xBC.png"};
+  for (const bool external : {false, true})
+    for (const bool stereo : {false, true}) {
+      const TempFolder folder;
+      RawlogWriterParams params;
+      params.file_names = true;
+      params.external_images = external;
+      RawlogWriter writer(folder.path("a.rawlog"), params);
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        types::Frame frame = makeFrame(static_cast<int>(i));
+        frame.label = names[i];
+        if (stereo) frame.right = picture(99);
+        EXPECT_EQ(writer.addReplayable(frame).label, names[i]);
+      }
+      writer.close();
+      EXPECT_EQ(labelsIn(folder.path("a.rawlog")), names);
+    }
+}
+
+TEST(RawlogWriter, WithoutNamesTheLabelIsThatOfTheSensor) {
+  const TempFolder folder;
+  for (const bool wanted : {false, true}) {
+    RawlogWriterParams params;
+    params.file_names = wanted;
+    params.overwrite = true;
+    RawlogWriter writer(folder.path("a.rawlog"), params);
+    for (const std::string& label :
+         {std::string(wanted ? "" : "p1.png"), std::string(wanted ? "a\x1B[2Jb" : "x"),
+          std::string(wanted ? 5000 : 1, 'x')}) {
+      types::Frame frame = makeFrame(static_cast<int>(writer.frames()));
+      frame.label = label;  // none, one that a terminal would obey, one of any length
+      writer.add(frame);
+    }
+    writer.close();
+    EXPECT_EQ(labelsIn(folder.path("a.rawlog")), std::vector<std::string>(3, "CAMERA"));
+  }
+}
+
+TEST(RawlogWriter, MrptReadsTheNamesAsComments) {
+  const TempFolder folder;
+  RawlogWriterParams params;
+  params.file_names = true;
+  RawlogWriter writer(folder.path("a.rawlog"), params);
+  types::Frame frame = makeFrame(1);
+  frame.label = "p7.png";
+  writer.add(frame);
+  writer.close();
+  mrpt::io::CFileGZInputStream stream(folder.path("a.rawlog"));
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  const auto comment = std::dynamic_pointer_cast<mrpt::obs::CObservationComment>(archive.ReadObject());
+  ASSERT_TRUE(comment);
+  EXPECT_EQ(comment->text, "image file: p7.png");
+  EXPECT_TRUE(std::dynamic_pointer_cast<mrpt::obs::CObservationOdometry>(archive.ReadObject()));
+  const auto image = std::dynamic_pointer_cast<mrpt::obs::CObservationImage>(archive.ReadObject());
+  ASSERT_TRUE(image);
+  EXPECT_EQ(comment->timestamp, image->timestamp);
+
+  // And as MRPT writes them again, between comments of people and another camera's image of that instant.
+  mrpt::obs::CObservationComment remark, endless;
+  remark.text = "image file: ";
+  endless.text = std::string(100000, 'x');
+  const auto copy = [](const auto& object) {
+    return std::make_shared<std::decay_t<decltype(object)>>(object);
+  };
+  mrpt::obs::CObservationComment second = *comment;
+  second.text = "image file: q8.png";
+  const auto other = std::make_shared<mrpt::obs::CObservationImage>(*image);
+  other->sensorLabel = "OTHER";
+  writeWithMrpt(folder.path("b.rawlog"), {copy(remark), comment, copy(endless), image, copy(second), other},
+                true);
+  RawlogParams camera;
+  for (const auto& [label, name] : {std::pair("CAMERA", "p7.png"), std::pair("OTHER", "q8.png")}) {
+    camera.sensor_label = label;
+    auto source = openRawlog(folder.path("b.rawlog"), camera);
+    const auto frames = readFrames(*source);
+    ASSERT_EQ(frames.size(), 1u) << source->problem();
+    EXPECT_EQ(frames[0].label, name);
+    EXPECT_EQ(source->problem(), "");
+  }
+}
+
+TEST(RawlogWriter, RefusesAStampThatARawlogCannotHold) {
+  const TempFolder folder;
+  RawlogWriter writer(folder.path("a.rawlog"));
+  for (const double stamp : {1.7e12, -2e10, std::numeric_limits<double>::quiet_NaN()}) {
+    types::Frame frame = makeFrame(0);
+    frame.stamp = stamp;
+    EXPECT_THROW(writer.add(frame), base::Error) << stamp;
+    EXPECT_TRUE(std::isnan(stampAsRecorded(stamp)));
+  }
+  writer.add(makeFrame(0));  // and goes on
+  writer.close();
+  expectRoundTrip(folder.path("a.rawlog"), 1);
+  EXPECT_NEAR(stampAsRecorded(kStart + 0.123456789), kStart + 0.123456789, 1.2e-7);
 }
 
 TEST(RawlogWriter, RoundTripStereo) {

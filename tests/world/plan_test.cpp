@@ -8,6 +8,9 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <filesystem>
+#include <fstream>
+#include <unistd.h>
 
 namespace engram::world {
 namespace {
@@ -52,6 +55,20 @@ TEST(Plan, ReadsWhatItWrites) {
   EXPECT_EQ(again.height, 3.0);
   EXPECT_FALSE(again.open);
   EXPECT_TRUE(parsePlan(parsePlan("roof none\n" + kRoute + kGrid, "p.txt").toText(), "again").open);
+}
+
+TEST(Plan, AnyEditorMayHaveWrittenIt) {
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("engram_plan_" + std::to_string(getpid()))).string();
+  const std::string truth = parsePlan(kRoute + kGrid, "text").toText();
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    std::string text = "\xEF\xBB\xBF" + kRoute + kGrid;
+    for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += end.size())
+      text.replace(at, 1, end);
+    std::ofstream(path, std::ios::binary) << text;
+    EXPECT_EQ(loadPlan(path).toText(), truth);
+  }
+  std::filesystem::remove(path);
 }
 
 TEST(Plan, SaysWhatIsWrong) {

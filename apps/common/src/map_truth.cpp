@@ -6,6 +6,7 @@
 #include "engram/evaluation/trajectory_error.h"
 
 #include <algorithm>
+#include <ostream>
 
 namespace engram::apps {
 namespace {
@@ -27,7 +28,18 @@ MapTruth::MapTruth(const std::string& path, const evaluation::TruthOptions& opti
   if (hasPoses()) poses_ = evaluation::readTum(path);
 }
 
-void MapTruth::survey(map::TopologicalMap& map, const types::FrameReport& report) const {
+void MapTruth::note(const types::FrameReport& report) { match_.addImage(truth_, reference(report)); }
+
+void MapTruth::requireMatch(const map::TopologicalMap& map, std::ostream& notices) const {
+  evaluation::TruthMatch match = match_;
+  for (const auto& [id, place] : map.places()) match.addPlace(truth_, reference(place));
+  if (const auto problem = match.problem(truth_); !problem.empty())
+    throw base::Error(problem + ". What else was done is kept");
+  if (const auto notice = match.notice(truth_); !notice.empty()) notices << notice << "\n";
+}
+
+void MapTruth::survey(map::TopologicalMap& map, const types::FrameReport& report) {
+  note(report);
   if (!hasPoses() || report.outcome != types::Outcome::kNewPlace) return;
   if (const auto pose = evaluation::poseAt(poses_, report.stamp)) map.survey(report.place, *pose);
 }

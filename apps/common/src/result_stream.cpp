@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -18,6 +19,7 @@
 #include <numbers>
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -34,6 +36,9 @@ constexpr std::size_t kMaxWaiting = 256 * 1024;  // [bytes] for one reader; more
 constexpr std::size_t kChunk =
     4096;  // a pipe that poll() calls writable takes so much without blocking (PIPE_BUF)
 constexpr auto kFarewell = std::chrono::milliseconds(500);
+constexpr std::size_t kMostReaders = 256;
+constexpr std::size_t kOwnDescriptors = 64;  // that the run needs for map, rawlog, camera and window
+constexpr auto kPause = std::chrono::milliseconds(500);  // before a reader that must wait is looked at again
 
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
   throw base::Error("--stream " + path + ": " + what);
@@ -78,6 +83,14 @@ int listenAt(const std::string& path) {
       ::listen(listener, 8) != 0)
     fail(path, std::strerror(errno));
   return listener;
+}
+
+/// As many as leave the run the descriptors that it needs itself.
+std::size_t readersAllowed() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kMostReaders;
+  const auto all = static_cast<std::size_t>(limit.rlim_cur);
+  return std::clamp<std::size_t>(all - std::min(all, kOwnDescriptors), 1, kMostReaders);
 }
 
 }  // namespace
@@ -152,6 +165,8 @@ class ResultStream::Impl {
     return readers_.size();
   }
   std::size_t missed() const { return missed_; }
+  std::size_t mostReaders() const { return mostReaders_; }
+  std::size_t postponed() const { return postponed_; }
 
  private:
   void wakeUp() {
@@ -182,7 +197,7 @@ class ResultStream::Impl {
     while (Clock::now() < end) {
       if (stopping_ && end == Clock::time_point::max()) end = Clock::now() + kFarewell;
       if (stopping_ && nothingLeft()) return;
-      wait(stopping_ ? 20 : 1000);
+      wait(stopping_ ? 20 : 500);
     }
   }
 
@@ -196,7 +211,8 @@ class ResultStream::Impl {
   /// Waits for a new reader, a new line, or room at a reader, and serves it.
   void wait(int milliseconds) {
     std::vector<pollfd> events = {{wake_, POLLIN, 0}};
-    if (listener_ >= 0) events.push_back({listener_, POLLIN, 0});
+    const bool open = listener_ >= 0 && Clock::now() >= openFrom_;
+    if (open) events.push_back({listener_, POLLIN, 0});
     const std::size_t first = events.size();
     {
       const std::lock_guard lock(mutex_);
@@ -207,12 +223,20 @@ class ResultStream::Impl {
     std::uint64_t count = 0;
     [[maybe_unused]] const auto ignored = ::read(wake_, &count, sizeof count);
     serve({events.begin() + static_cast<std::ptrdiff_t>(first), events.end()});
-    if (listener_ >= 0 && (events[1].revents & POLLIN) != 0) accept();
+    if (open && (events[1].revents & POLLIN) != 0) accept();
   }
 
+  /// A reader for whom there is no room stays in the queue of the socket. poll() would report it without end,
+  /// so the socket is left alone for a while.
   void accept() {
-    const int descriptor = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-    if (descriptor >= 0) addReader(descriptor);
+    int descriptor = -1;
+    errno = EMFILE;
+    if (readers() < mostReaders_)
+      descriptor = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    if (descriptor >= 0) return addReader(descriptor);
+    if (errno == EAGAIN || errno == EINTR || errno == ECONNABORTED) return;
+    ++postponed_;
+    openFrom_ = Clock::now() + kPause;
   }
 
   void serve(const std::vector<pollfd>& events) {
@@ -247,10 +271,12 @@ class ResultStream::Impl {
   }
 
   std::string path_, hello_;
+  const std::size_t mostReaders_ = readersAllowed();
   int listener_ = -1, wake_ = -1;
+  Clock::time_point openFrom_ = Clock::time_point::min();  // no new reader before
   mutable std::mutex mutex_;
   std::vector<Reader> readers_;  // under mutex_
-  std::atomic<std::size_t> missed_{0};
+  std::atomic<std::size_t> missed_{0}, postponed_{0};
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };
@@ -261,5 +287,7 @@ ResultStream::~ResultStream() = default;
 void ResultStream::send(const std::string& line) { impl_->send(line); }
 std::size_t ResultStream::readers() const { return impl_->readers(); }
 std::size_t ResultStream::missed() const { return impl_->missed(); }
+std::size_t ResultStream::mostReaders() const { return impl_->mostReaders(); }
+std::size_t ResultStream::postponed() const { return impl_->postponed(); }
 
 }  // namespace engram::apps

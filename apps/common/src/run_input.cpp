@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/apps/run_input.h"
 
+#include "engram/apps/checks.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 
@@ -33,7 +34,7 @@ void RunInput::declare(CLI::App& app) {
       ->type_name("FILE");
   app.add_flag("--overwrite-record", overwriteRecord_, "Replace that rawlog if it exists");
   app.add_option("--seconds", seconds_, "With --live: stop after so long; default: at Ctrl-C")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
 }
 
 void RunInput::open(const RunConfig& config, std::ostream& notices) {

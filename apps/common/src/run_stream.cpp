@@ -23,8 +23,9 @@ void RunStream::declare(CLI::App& app) {
       ->type_name("-|PATH");
 }
 
-void RunStream::open(const std::string& map) {
+void RunStream::open(const std::string& map, std::ostream& notices) {
   if (target_.empty()) return;
+  notices_ = &notices;
   const nlohmann::ordered_json hello = {{"stream", "engram"}, {"version", kStreamVersion}, {"map", map}};
   stream_ = std::make_unique<ResultStream>(
       target_, hello.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -38,7 +39,7 @@ void RunStream::sendMapped(const types::FrameReport& report, const types::Frame&
   tracker_.update(fix, frame.T_odom_robot);
   std::optional<StreamPose> pose;
   if (const auto& T = tracker_.T_map_robot()) pose = {T->translation(), headingOf(*T)};
-  stream_->send(streamLine(report, pose));
+  send(streamLine(report, pose));
 }
 
 void RunStream::sendLocalised(const types::FrameReport& report, const map::TopologicalMap& map) {
@@ -46,13 +47,25 @@ void RunStream::sendLocalised(const types::FrameReport& report, const map::Topol
   std::optional<StreamPose> pose;
   if (report.outcome == types::Outcome::kRecognised)
     pose = {map.place(report.place).T_map_place.translation(), std::nullopt};
-  stream_->send(streamLine(report, pose));
+  send(streamLine(report, pose));
+}
+
+/// Says once that readers wait, as soon as one does.
+void RunStream::send(const std::string& line) {
+  stream_->send(line);
+  if (notices_ == nullptr || stream_->postponed() == 0) return;
+  *notices_ << "--stream " << target_ << ": more readers than can be served (" << stream_->mostReaders()
+            << " at most by ulimit -n, fewer when descriptors run out); others wait until one goes\n"
+            << std::flush;
+  notices_ = nullptr;
 }
 
 void RunStream::close(std::ostream& err) {
   if (!stream_) return;
-  const std::size_t missed = stream_->missed();
+  const std::size_t missed = stream_->missed(), postponed = stream_->postponed();
   stream_.reset();
+  if (postponed > 0)
+    err << "--stream " << target_ << ": readers had to wait (found " << postponed << " times)\n";
   if (missed > 0) err << "--stream " << target_ << ": slow readers missed " << missed << " lines\n";
 }
 

@@ -3,9 +3,9 @@
 #include "engram/base/config.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 
 #include <algorithm>
-#include <fstream>
 #include <numeric>
 #include <sstream>
 
@@ -67,11 +67,13 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 }
 
 IniFile IniFile::load(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw ConfigError(path + ": cannot be opened; does the file exist and may you read it?");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return parse(text.str(), path);
+  try {
+    return parse(readTextFile(path), path);
+  } catch (const ConfigError&) {
+    throw;
+  } catch (const Error& e) {
+    throw ConfigError(e.what());
+  }
 }
 
 IniFile IniFile::parse(const std::string& text, const std::string& name) {

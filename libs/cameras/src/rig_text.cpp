@@ -3,6 +3,7 @@
 #include "rig_text.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 #include "engram/cameras/equirectangular.h"
 #include "engram/cameras/pinhole.h"
 #include "engram/cameras/unified_sphere.h"
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <vector>
 
@@ -233,9 +233,11 @@ std::string toText(const CameraRig& rig, const RigSections& sections, bool onRob
 }
 
 std::string readCalibrationFile(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) fail(path, "cannot be opened; does the file exist and may you read it?");
-  return {std::istreambuf_iterator<char>(in), {}};
+  try {
+    return base::readTextFile(path);
+  } catch (const base::Error& e) {
+    throw base::ConfigError(e.what());
+  }
 }
 
 void checkSize(cv::Size size) {

@@ -7,28 +7,75 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include <arpa/inet.h>
 #include <atomic>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <ifaddrs.h>
+#include <netinet/in.h>
+#include <optional>
+#include <sys/socket.h>
+#include <unistd.h>
 
 namespace engram::capture {
+
+namespace {
+
+constexpr std::uint16_t kControlPort = 3956;  // GigE Vision's
+
+/// The address of an interface that is given by its name or by that address.
+std::optional<in_addr> addressOf(const std::string& interface) {
+  in_addr numeric{};
+  if (inet_pton(AF_INET, interface.c_str(), &numeric) == 1) return numeric;
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return std::nullopt;
+  std::optional<in_addr> found;
+  for (const ifaddrs* at = all; at != nullptr && !found; at = at->ifa_next)
+    if (at->ifa_addr != nullptr && at->ifa_addr->sa_family == AF_INET && interface == at->ifa_name)
+      found = reinterpret_cast<const sockaddr_in*>(at->ifa_addr)->sin_addr;
+  freeifaddrs(all);
+  return found;
+}
+
+/// Aravis shares the port with whoever has it, and then the client's commands reach one of the two.
+void requireFreePort(const std::string& interface) {
+  const auto address = addressOf(interface);
+  if (!address) return;  // Aravis will say that it is none
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_port = htons(kControlPort);
+  at.sin_addr = *address;
+  const int probe = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const bool taken =
+      ::bind(probe, reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0 && errno == EADDRINUSE;
+  ::close(probe);
+  if (taken)
+    throw base::Error("'" + interface + "': another program serves a camera there: UDP port " +
+                      std::to_string(kControlPort) + " is taken; end it, or choose another interface");
+}
+
+ArvGvFakeCamera* startServer(const FakeServerParams& params) {
+  requireFreePort(params.interface);
+  return ARV_GV_FAKE_CAMERA(g_object_new(ARV_TYPE_GV_FAKE_CAMERA, "interface-name", params.interface.c_str(),
+                                         "serial-number", params.serial.c_str(), "gvsp-lost-ratio",
+                                         params.loss, nullptr));
+}
+
+}  // namespace
 
 class FakeServer::Impl {
  public:
   Impl(const FakeServerParams& params, const cv::Mat& first, Next next)
-      : next_(std::move(next)),
-        server_(ARV_GV_FAKE_CAMERA(
-            g_object_new(ARV_TYPE_GV_FAKE_CAMERA, "interface-name", params.interface.c_str(), "serial-number",
-                         params.serial.c_str(), "gvsp-lost-ratio", params.loss, nullptr))) {
+      : next_(std::move(next)), server_(startServer(params)) {
     if (first.empty() || first.cols > ARV_FAKE_CAMERA_SENSOR_WIDTH ||
         first.rows > ARV_FAKE_CAMERA_SENSOR_HEIGHT)
       throw base::Error("images of " + std::to_string(first.cols) + "x" + std::to_string(first.rows) +
                         " do not fit the simulated sensor of 2048x2048 pixels");
     if (!arv_gv_fake_camera_is_running(server_.get()))
-      throw base::Error(
-          "'" + params.interface +
-          "' is neither the name nor the address of an interface of this computer, or its UDP port "
-          "3956 is taken");
+      throw base::Error("'" + params.interface +
+                        "' is neither the name nor the address of an interface of this computer, or its UDP "
+                        "port 3956 is taken");
     setImage(first);
     ArvFakeCamera* camera = arv_gv_fake_camera_get_fake_camera(server_.get());
     const auto set = [camera](guint32 address, double value) {

@@ -220,7 +220,10 @@ class GigeGrabber::Impl {
   Impl(const GigeParams& params, Sink sink)
       : params_(params), sink_(std::move(sink)), pairer_(1e-3 * params.stereo_tolerance_ms) {
     addCamera(params.camera, 0);
-    if (!params.right_camera.empty()) addCamera(params.right_camera, 1);
+    if (!params.right_camera.empty()) {
+      requireAnother(keepers_.front()->stats().settings);
+      addCamera(params.right_camera, 1);
+    }
     for (auto& keeper : keepers_) keeper->start();
   }
   ~Impl() { stop(); }
@@ -250,6 +253,14 @@ class GigeGrabber::Impl {
   void addCamera(const std::string& id, int side) {
     keepers_.push_back(std::make_unique<Keeper>(
         params_, id, [this, side](Shot&& shot) { deliver(side, std::move(shot)); }, notices_));
+  }
+
+  /// An address and an id may mean the same camera, which is known when the left one has answered. Those
+  /// without an address are Aravis' own, of which there are as many as are opened.
+  void requireAnother(const CameraSettings& left) const {
+    const std::string& right = params_.right_camera;
+    if (!left.address.empty() && (right == left.id || right == left.address))
+      throw base::ConfigError("right_camera: '" + right + "' is the left camera too; name another one");
   }
 
   void deliver(int side, Shot&& shot) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/capture/gige_params.h"
 
+#include "engram/base/error.h"
+
 namespace engram::capture {
 
 void GigeParams::describe(base::Params& p) {
@@ -59,6 +61,12 @@ void GigeParams::describe(base::Params& p) {
   p.add("max_queue_len", max_queue_len, "for rawlog-grabber alone: longest queue of images", {1, 100000});
   p.add("grab_decimation", grab_decimation, "for rawlog-grabber alone: one of so many images is taken",
         {0, 100000});
+}
+
+void requireTwoCameras(const GigeParams& params) {
+  if (!params.right_camera.empty() && params.right_camera == params.camera)
+    throw base::ConfigError("right_camera: '" + params.right_camera +
+                            "' is the left camera too; name another one, or none for a single camera");
 }
 
 }  // namespace engram::capture

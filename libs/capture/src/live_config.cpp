@@ -36,6 +36,11 @@ LiveConfig takeLiveConfig(base::IniFile& ini, const std::string& name, bool opti
   base::Config config;
   config.bind(name, live.camera);
   config.read(alone);
+  try {
+    requireTwoCameras(live.camera);
+  } catch (const base::ConfigError& e) {
+    throw base::ConfigError(ini.name() + ": [" + name + "] " + e.what());
+  }
   ini.take(name);
   if (const auto features = ini.take(name + ".features"))
     for (const auto& [key, value] : *features)

@@ -3,10 +3,10 @@
 #include "text_lines.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 namespace engram::evaluation {
@@ -29,17 +29,9 @@ bool parseWhole(const std::string& field, T& value) {
 
 void refuse(const std::string& origin, const std::string& what) { throw base::Error(origin + ": " + what); }
 
-std::string readText(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  if (in) text << in.rdbuf();
-  if (!in || !text) refuse(path, "cannot be read; does the file exist and may you read it?");
-  return text.str();
-}
-
 std::vector<TextLine> contentLines(const std::string& text, const std::string& name) {
   std::vector<TextLine> lines;
-  std::istringstream in(text);
+  std::istringstream in(base::plainText(text, name));
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     const std::string content = trimmed(line);

@@ -14,7 +14,7 @@ struct TextLine {
   std::string origin;  ///< "file.csv:12"
 };
 
-std::string readText(const std::string& path);  ///< throws base::Error naming the file
+/// Of a text that came from anywhere: see base::plainText().
 std::vector<TextLine> contentLines(const std::string& text, const std::string& name);
 
 /// Fields between separators; for ' ' any run of white space separates. Trimmed.

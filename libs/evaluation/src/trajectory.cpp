@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/evaluation/trajectory.h"
 
+#include "engram/base/text_file.h"
 #include "text_lines.h"
 
 #include <algorithm>
@@ -47,7 +48,7 @@ Trajectory parseTum(const std::string& text, const std::string& name) {
   return trajectory;
 }
 
-Trajectory readTum(const std::string& path) { return parseTum(readText(path), path); }
+Trajectory readTum(const std::string& path) { return parseTum(base::readTextFile(path), path); }
 
 void writeTum(std::ostream& out, std::span<const StampedPose> trajectory) {
   out << "# stamp x y z qx qy qz qw\n";

@@ -3,6 +3,7 @@
 #include "engram/evaluation/truth.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 #include "text_lines.h"
 
 #include <algorithm>
@@ -13,16 +14,6 @@ namespace engram::evaluation {
 namespace {
 
 bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-
-/// Sensor labels such as CAMERA1 are not file names: their number is that of the sensor.
-bool isFileName(const std::string& label) {
-  std::string extension = std::filesystem::path(label).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  static const std::set<std::string> known{".jpg", ".jpeg", ".png",  ".pgm", ".ppm",
-                                           ".bmp", ".tif",  ".tiff", ".webp"};
-  return known.count(extension) > 0 || (!label.empty() && std::all_of(label.begin(), label.end(), isDigit));
-}
 
 std::optional<TruthKind> kindOf(const std::string& header) {
   const auto names = splitFields(header, ',');
@@ -66,6 +57,15 @@ const char* toString(TruthKind kind) {
   return "?";
 }
 
+bool isFileName(const std::string& label) {
+  std::string extension = std::filesystem::path(label).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  static const std::set<std::string> known{".jpg", ".jpeg", ".png",  ".pgm", ".ppm",
+                                           ".bmp", ".tif",  ".tiff", ".webp"};
+  return known.count(extension) > 0 || (!label.empty() && std::all_of(label.begin(), label.end(), isDigit));
+}
+
 std::optional<std::int64_t> numberInFileName(const std::string& label) {
   const std::string stem = std::filesystem::path(label).stem().string();
   const auto last = std::find_if(stem.rbegin(), stem.rend(), isDigit).base();
@@ -75,7 +75,7 @@ std::optional<std::int64_t> numberInFileName(const std::string& label) {
 }
 
 Truth Truth::load(const std::string& path, const TruthOptions& options) {
-  return parse(readText(path), path, options);
+  return parse(base::readTextFile(path), path, options);
 }
 
 Truth Truth::parse(const std::string& text, const std::string& name, const TruthOptions& options) {
@@ -91,6 +91,7 @@ Truth Truth::parse(const std::string& text, const std::string& name, const Truth
                "image,matches and a,b[,source], and TUM poses (8 numbers a line)");
   Truth truth;
   truth.kind_ = *kind;
+  truth.name_ = name;
   truth.options_ = options;
   if (*kind == TruthKind::kPoses) {
     truth.poses_ = parseTum(text, name);
@@ -114,6 +115,7 @@ void Truth::addRange(const std::string& text, const std::string& origin) {
   const auto last = parseInteger(fields[2], origin, "last");
   if (query < 0 || first < 0) refuse(origin, "indices count from 0");
   if (last < first) refuse(origin, "the last reference lies before the first");
+  keys_.insert(query);
   if (!ranges_.insert({query, {first, last}}).second)
     refuse(origin, "query " + fields[0] + " has a line already");
 }
@@ -122,8 +124,10 @@ void Truth::addMatches(const std::string& text, const std::string& origin) {
   const auto fields = splitFields(text, ',');
   if (fields.size() != 2) refuse(origin, "expected image,matches, found '" + text + "'");
   const auto image = parseInteger(fields[0], origin, "image");
+  keys_.insert(image);
   for (const auto& field : splitFields(fields[1], ' ')) {
     const auto match = parseInteger(field, origin, "match");
+    keys_.insert(match);
     related_[image].insert(match);
     related_[match].insert(image);
   }
@@ -135,6 +139,7 @@ void Truth::addLink(const std::string& text, const std::string& origin) {
     refuse(origin, "expected a,b or a,b,source, found '" + text + "'");
   const auto a = parseInteger(fields[0], origin, "a");
   const auto b = parseInteger(fields[1], origin, "b");
+  keys_.insert({a, b});
   related_[a].insert(b);
   related_[b].insert(a);
 }
@@ -143,7 +148,20 @@ void Truth::addLink(const std::string& text, const std::string& origin) {
 std::optional<std::int64_t> Truth::imageNumber(const FrameRef& frame) const {
   if (isFileName(frame.label)) return numberInFileName(frame.label);
   if (kind_ == TruthKind::kMatches) return static_cast<std::int64_t>(frame.index) + 1;
-  return numberInFileName(frame.label);
+  return std::nullopt;
+}
+
+std::optional<std::int64_t> Truth::keyOf(const FrameRef& frame) const {
+  if (kind_ == TruthKind::kPoses) return std::nullopt;
+  if (kind_ == TruthKind::kRanges) return static_cast<std::int64_t>(frame.index);
+  return imageNumber(frame);
+}
+
+std::size_t Truth::posesWithin(double first, double last) const {
+  const auto inside = [&](const StampedPose& pose) {
+    return pose.stamp >= first - options_.maxGap && pose.stamp <= last + options_.maxGap;
+  };
+  return static_cast<std::size_t>(std::count_if(poses_.begin(), poses_.end(), inside));
 }
 
 Verdict Truth::judgeNumbers(std::int64_t query, std::int64_t place) const {

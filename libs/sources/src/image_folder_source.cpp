@@ -3,6 +3,7 @@
 #include "engram/sources/image_folder_source.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 #include "image_list.h"
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <set>
@@ -61,7 +61,10 @@ class CsvReader {
       throw base::Error(path + ": the columns x, y and yaw belong together");
   }
 
-  ImageEntry parse(const std::string& line, int number, std::size_t index) const {
+  bool hasStamps() const { return columns_.contains("stamp"); }
+
+  /// @param stamp receives the text of the stamp, which is a number
+  ImageEntry parse(const std::string& line, int number, std::size_t index, std::string& stamp) const {
     const std::string origin = path_ + ":" + std::to_string(number);
     const auto cells = splitLine(line);
     if (cells.size() != columns_.size())
@@ -73,8 +76,9 @@ class CsvReader {
     };
     ImageEntry entry{cell("image"), cell("right"), cell("image"), static_cast<double>(index), {}};
     if (entry.image.empty()) throw base::Error(origin + ": the name of the image is missing");
-    if (columns_.contains("stamp")) entry.stamp = parseCell(cell("stamp"), origin, "stamp");
-    if (!std::isfinite(entry.stamp)) throw base::Error(origin + ": the stamp is not a finite number");
+    if (hasStamps() && !std::isfinite(parseCell(cell("stamp"), origin, "stamp")))
+      throw base::Error(origin + ": the stamp is not a finite number");
+    stamp = cell("stamp");
     if (!cell("x").empty())
       entry.pose = Pose2{parseCell(cell("x"), origin, "x"), parseCell(cell("y"), origin, "y"),
                          parseCell(cell("yaw"), origin, "yaw")};
@@ -86,21 +90,27 @@ class CsvReader {
   std::map<std::string, std::size_t> columns_;
 };
 
-std::vector<ImageEntry> readCsv(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw base::Error(path + ": cannot be opened; does the file exist and may you read it?");
-  std::optional<CsvReader> reader;
+struct Csv {
   std::vector<ImageEntry> entries;
+  StampReading reading;
+};
+
+Csv readCsv(const std::string& path, StampUnit unit) {
+  std::istringstream in(base::readTextFile(path));
+  std::optional<CsvReader> reader;
+  Csv csv;
+  std::vector<std::string> stamps;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     if (trim(line).empty() || line.front() == '#') continue;
     if (!reader)
       reader.emplace(path, line);
     else
-      entries.push_back(reader->parse(line, number, entries.size()));
+      csv.entries.push_back(reader->parse(line, number, csv.entries.size(), stamps.emplace_back()));
   }
-  if (entries.empty()) throw base::Error(path + ": lists no images");
-  return entries;
+  if (csv.entries.empty()) throw base::Error(path + ": lists no images");
+  if (reader->hasStamps()) csv.reading = setStamps(csv.entries, stamps, unit);
+  return csv;
 }
 
 }  // namespace
@@ -132,17 +142,22 @@ bool naturalLess(const std::string& a, const std::string& b) {
   return leftA != leftB ? leftA < leftB : a < b;  // img1 before img01: a total order
 }
 
-std::vector<std::string> listImages(const std::string& folder) {
+bool isImageName(const std::string& name) {
   static const std::set<std::string> kKnown = {".jpg", ".jpeg", ".png",  ".bmp", ".pgm",
                                                ".ppm", ".tif",  ".tiff", ".webp"};
+  std::string extension = fs::path(name).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return kKnown.contains(extension);
+}
+
+std::vector<std::string> listImages(const std::string& folder) {
   std::error_code status;
   if (!fs::is_directory(folder, status)) throw base::Error(folder + ": no such folder");
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder, status)) {
-    std::string extension = entry.path().extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (kKnown.contains(extension)) names.push_back(entry.path().filename().string());
+    std::string name = entry.path().filename().string();
+    if (isImageName(name)) names.push_back(std::move(name));
   }
   if (status) throw base::Error(folder + ": cannot be read: " + status.message());
   if (names.empty()) throw base::Error(folder + ": holds no images (jpg, png, bmp, pgm, ppm, tif, webp)");
@@ -150,22 +165,23 @@ std::vector<std::string> listImages(const std::string& folder) {
   return names;
 }
 
-std::unique_ptr<FrameSource> openImageFolder(const std::string& folder, const std::string& csv) {
+std::unique_ptr<ImageListSource> openImageFolder(const std::string& folder, const std::string& csv,
+                                                 StampUnit unit) {
   std::error_code status;
   if (!fs::is_directory(folder, status)) throw base::Error(folder + ": no such folder");
-  std::vector<ImageEntry> entries;
-  if (!csv.empty()) entries = readCsv(csv);
+  Csv list;
+  if (!csv.empty()) list = readCsv(csv, unit);
   if (csv.empty())
     for (const auto& name : listImages(folder))
-      entries.push_back({name, {}, name, static_cast<double>(entries.size()), {}});
+      list.entries.push_back({name, {}, name, static_cast<double>(list.entries.size()), {}});
   const auto inFolder = [&folder](const std::string& name) {
     return name.empty() ? name : (fs::path(folder) / name).string();
   };
-  for (auto& entry : entries) {
+  for (auto& entry : list.entries) {
     entry.image = inFolder(entry.image);
     entry.right = inFolder(entry.right);
   }
-  return makeListSource(folder, std::move(entries));
+  return makeListSource(folder, std::move(list.entries), {{}, list.reading});
 }
 
 }  // namespace engram::sources

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engram/sources/frame_source.h"
+#include "engram/sources/image_folder_source.h"
 #include "engram/sources/odometry_track.h"
 
 #include <memory>
@@ -20,9 +20,22 @@ struct ImageEntry {
   std::optional<Pose2> pose;
 };
 
-/// The images of a list as frames. Those that cannot be read and stamps that do not rise are left out and
-/// named in problem(), which begins with `name` and goes on with `notice` where there is one.
-std::unique_ptr<FrameSource> makeListSource(std::string name, std::vector<ImageEntry> entries,
-                                            std::string notice = {});
+/// What is known of a list before its images are read.
+struct ImageListNotes {
+  std::string problem;   ///< the beginning of problem()
+  StampReading reading;  ///< for stampReading()
+};
+
+/// The images of a list as frames. Those that cannot be read and stamps that no reader of rawlogs accepts are
+/// left out and named in problem(), which begins with `name`.
+std::unique_ptr<ImageListSource> makeListSource(std::string name, std::vector<ImageEntry> entries,
+                                                ImageListNotes notes = {});
+
+/// Sets the stamps [s] of a list from their text.
+/// Throws base::Error for a text that is no finite number.
+/// @param written one for each entry
+/// @param unit kAuto to tell it from the stamps
+StampReading setStamps(std::vector<ImageEntry>& entries, const std::vector<std::string>& written,
+                       StampUnit unit);
 
 }  // namespace engram::sources

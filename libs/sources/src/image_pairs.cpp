@@ -3,17 +3,16 @@
 #include "engram/sources/image_pairs.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 #include "engram/sources/image_folder_source.h"
 #include "image_list.h"
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <fnmatch.h>
-#include <fstream>
 #include <map>
+#include <sstream>
 
 namespace engram::sources {
 namespace {
@@ -47,20 +46,18 @@ std::map<std::string, std::string> byKey(const std::vector<std::string>& paths) 
   return images;
 }
 
-std::vector<double> readStamps(const std::string& path, std::size_t wanted) {
-  std::ifstream in(path);
-  if (!in) throw base::Error(path + ": cannot be opened; does the file exist and may you read it?");
-  std::vector<double> stamps;
+/// The stamps as they are written, each a finite number.
+std::vector<std::string> readStamps(const std::string& path, std::size_t wanted) {
+  std::istringstream in(base::readTextFile(path));
+  std::vector<std::string> stamps;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     line.erase(line.find_last_not_of(" \t\r") + 1);
     line.erase(0, line.find_first_not_of(" \t"));
     if (line.empty() || line.front() == '#') continue;
-    double stamp = 0;
-    const auto [end, status] = std::from_chars(line.data(), line.data() + line.size(), stamp);
-    if (status != std::errc() || end != line.data() + line.size() || !std::isfinite(stamp))
-      throw base::Error(path + ":" + std::to_string(number) + ": '" + line + "' is not one stamp [s]");
-    stamps.push_back(stamp);
+    if (!secondsOf(line, StampUnit::kSeconds))
+      throw base::Error(path + ":" + std::to_string(number) + ": '" + line + "' is not one stamp");
+    stamps.push_back(line);
   }
   if (stamps.size() != wanted)
     throw base::Error(path + ": " + std::to_string(stamps.size()) + " stamps for " + std::to_string(wanted) +
@@ -126,23 +123,21 @@ double stampInName(const std::string& name) {
   throw base::Error(name + ": its name holds no Unix time (10, 13, 16 or 19 digits)");
 }
 
-std::unique_ptr<FrameSource> openImagePairs(const std::string& left, const std::string& right,
-                                            const std::string& stamps) {
+std::unique_ptr<ImageListSource> openImagePairs(const std::string& left, const std::string& right,
+                                                const std::string& stamps, StampUnit unit) {
   std::vector<ImageEntry> entries;
   for (const auto& path : findImages(left)) {
     const std::string name = fs::path(path).filename().string();
     const double stamp = stamps == "names" ? stampInName(name) : static_cast<double>(entries.size());
     entries.push_back({path, {}, name, stamp, {}});
   }
-  if (!stamps.empty() && stamps != "names") {
-    const auto list = readStamps(stamps, entries.size());
-    for (std::size_t i = 0; i < entries.size(); ++i) entries[i].stamp = list[i];
-  }
-  std::string notice;
-  if (!right.empty()) notice = pairUp(entries, findImages(right));
+  ImageListNotes notes;
+  if (!stamps.empty() && stamps != "names")
+    notes.reading = setStamps(entries, readStamps(stamps, entries.size()), unit);
+  if (!right.empty()) notes.problem = pairUp(entries, findImages(right));
   if (entries.empty())
-    throw base::Error(left + " and " + right + ": no two images belong together; " + notice);
-  return makeListSource(left, std::move(entries), std::move(notice));
+    throw base::Error(left + " and " + right + ": no two images belong together; " + notes.problem);
+  return makeListSource(left, std::move(entries), std::move(notes));
 }
 
 }  // namespace engram::sources

@@ -3,6 +3,7 @@
 #include "rawlog_parser.h"
 
 #include "engram/base/error.h"
+#include "image_name.h"
 #include "rawlog_stamp.h"
 
 #include <algorithm>
@@ -169,10 +170,10 @@ Record RawlogParser::parseObject(const Header& header) {
     label = std::get<OdometryRecord>(record).label;
   } else if (header.name == "CActionRobotMovement2D") {
     record = parseAction(header.version);
+  } else if (header.name == "CObservationComment") {
+    record = parseComment(header.version, label);
   } else {
-    const Tail tail = skipRest();
-    label = guessLabel(tail.end);
-    if (label.empty()) label = guessLabel(tail.head);
+    label = skipWithLabel();
   }
   ++counts_[header.name][label];
   return record;
@@ -239,6 +240,30 @@ Record RawlogParser::parseAction(int version) {
     record.stamp = unixSeconds(ticks);
   }
   return record;
+}
+
+/// Most comments are for people, and of any length.
+Record RawlogParser::parseComment(int version, std::string& label) {
+  const auto bytes = in_.peek(4 + kMaxNameComment);
+  std::string text;
+  if (bytes.size() > 4 && lengthAt(bytes) <= bytes.size() - 4)
+    text.assign(bytes.begin() + 4, bytes.begin() + 4 + lengthAt(bytes));
+  const std::string name = nameInComment(text);
+  if (version != 0 || name.empty()) {
+    label = skipWithLabel();
+    return OtherRecord{};
+  }
+  readText(kMaxNameComment);
+  const double stamp = readStamp();  // MRPT stores no label with a comment
+  expectEndFlag();
+  return NameRecord{stamp, name};
+}
+
+/// Steps over an object of any class; what looks like its label.
+std::string RawlogParser::skipWithLabel() {
+  const Tail tail = skipRest();
+  const std::string label = guessLabel(tail.end);
+  return label.empty() ? guessLabel(tail.head) : label;
 }
 
 /// The mean of a CPosePDFGaussian, which it stores first; other densities are not understood.

@@ -18,6 +18,7 @@ namespace engram::sources {
 struct ImageRecord {
   double stamp = 0.0;  ///< [s] since the Unix epoch; NaN when the recorder set none. So in the other records.
   std::string label;
+  std::string name;  ///< of its file, where a NameRecord told it
   EncodedImage image, right;
   bool stereo = false;
   std::optional<RecordedCamera> camera, rightCamera;  ///< where the observation has them
@@ -35,10 +36,16 @@ struct ActionRecord {
   Pose2 increment;
 };
 
+/// The file that the next image with this stamp came from.
+struct NameRecord {
+  double stamp = 0.0;
+  std::string name;
+};
+
 /// An object that Engram has no use for.
 struct OtherRecord {};
 
-using Record = std::variant<ImageRecord, OdometryRecord, ActionRecord, OtherRecord>;
+using Record = std::variant<ImageRecord, OdometryRecord, ActionRecord, NameRecord, OtherRecord>;
 
 /// Cuts a rawlog into its objects without the help of MRPT's own deserialisation: that one believes every
 /// length it reads (a flipped bit makes it allocate gigabytes) and lets libjpeg call exit() on a damaged
@@ -75,6 +82,7 @@ class RawlogParser {
   Record parseStereo(int version);
   Record parseOdometry(int version);
   Record parseAction(int version);
+  Record parseComment(int version, std::string& label);
   void enterCollection(const Header& header);
 
   Header readHeader();
@@ -93,6 +101,7 @@ class RawlogParser {
   void expectEndFlag();
   void seekImage();
   Tail skipRest();
+  std::string skipWithLabel();
   bool endsHere(std::span<const std::uint8_t> rest, bool atEnd) const;
   std::string describeDamage(const std::string& reason) const;
 

@@ -83,13 +83,17 @@ std::string describeProblem(const std::string& path, const std::string& damage, 
   if (const auto choice = describeChoice(stats, params, usedLabel); !choice.empty()) parts.push_back(choice);
   say(stats.imagesDamaged, "image", "left out: damaged (" + stats.firstFailure + ")");
   say(stats.imagesMissing, "image", "left out: file not found (" + stats.firstFailure + "); see images_dir");
-  say(stats.imagesBadStamp, "image", "left out: the stamp repeats or goes back");
+  say(stats.imagesBadStamp - stats.imagesLeap, "image", "left out: the stamp repeats or goes back");
+  say(stats.imagesLeap, "image",
+      "left out: the stamp leaps ahead by more than a year, and the next ones do not");
   if (stats.imagesUnpaired > 0) parts.push_back(describeUnpaired(stats, params));
   say(stats.imagesNoStamp, "image", "without a stamp: numbered one second apart");
   say(stats.imagesNoOdometry, "image", "without odometry near in time");
   say(stats.odometryBad, "odometry reading", "left out: not a number");
-  say(stats.odometryBadStamp, "odometry reading", "left out: the stamp repeats or goes back");
+  say(stats.odometryBadStamp, "odometry reading",
+      "left out: the stamp repeats, goes back, or leaps ahead by more than a year");
   say(stats.clockRestarts, "time", "the clock was set back: time starts anew there");
+  say(stats.clockLeaps, "time", "the clock leapt ahead by more than a year: time starts anew there");
   std::string text;
   for (const auto& part : parts) text += (text.empty() ? "" : "; ") + part;
   if (text.empty() || text.rfind(path, 0) == 0) return text;

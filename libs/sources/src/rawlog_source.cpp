@@ -3,9 +3,9 @@
 #include "engram/sources/rawlog_source.h"
 
 #include "engram/base/error.h"
-#include "engram/sources/stamp_gate.h"
 #include "rawlog_parser.h"
 #include "rawlog_problem.h"
+#include "stamp_queue.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,7 +49,11 @@ class Source final : public RawlogSource {
   void take(ImageRecord&& record);
   void take(const OdometryRecord& record);
   void take(const ActionRecord& record);
+  void take(NameRecord&& record);
   void take(const OtherRecord&) {}
+  void accept(ImageRecord&& record);
+  std::string takeName(const ImageRecord& image);
+  void noteRefusals();
   bool useKind(Kind kind);
   void addSample(double stamp, const Pose2& pose);
   void noteStamp(double stamp);
@@ -68,17 +72,20 @@ class Source final : public RawlogSource {
   bool hasStamp_ = false;
 
   std::optional<std::string> label_;  // of the camera in use
-  StampGate imageGate_;
+  StampQueue<ImageRecord> images_;
+  std::deque<NameRecord> names_;  // waiting for their images
   std::deque<ImageRecord> pending_;
   std::deque<ImageRecord> rights_;  // of a camera of its own, waiting for their left ones
   std::optional<cameras::StereoRig> calibration_;
 
   Kind kind_ = Kind::kUnknown;
   std::optional<std::string> odometryLabel_;
-  StampGate odometryGate_;
+  StampQueue<Pose2> samples_;
   OdometryTrack track_;
-  Pose2 pose_;  // the last sample, or the sum of the increments
-  bool hasPose_ = false;
+  Pose2 pose_;        // the last sample, or the sum of the increments
+  Pose2 atMeasured_;  // up to where the path was measured
+  bool hasPose_ = false, hasMeasured_ = false;
+  std::size_t odometryNoStamp_ = 0;
   bool poseLacksStamp_ = false;  // increments whose end has no stamp but that of the next image
 };
 
@@ -98,7 +105,11 @@ void Source::readOne() {
   auto record = parser_.next();
   if (record) std::visit([this](auto&& r) { take(std::forward<decltype(r)>(r)); }, std::move(*record));
   finished_ = !record;
-  if (finished_) stats_.objects = parser_.counts();
+  if (!finished_) return;
+  images_.finish();
+  samples_.finish();
+  noteRefusals();
+  stats_.objects = parser_.counts();
 }
 
 bool Source::ready(const ImageRecord& record) const {
@@ -152,22 +163,45 @@ void Source::take(ImageRecord&& record) {
   if (!label_ || record.label != *label_) return;
   if (std::isnan(record.stamp)) {
     ++stats_.imagesNoStamp;
-    record.stamp = std::isnan(imageGate_.last()) ? 0.0 : imageGate_.last() + 1.0;
+    record.stamp = std::isnan(images_.last()) ? 0.0 : images_.last() + 1.0;
   }
-  switch (imageGate_.check(record.stamp)) {
-    case StampGate::Verdict::kPass:
-      break;
-    case StampGate::Verdict::kRestart:
-      ++stats_.clockRestarts;
-      break;
-    default:
-      ++stats_.imagesBadStamp;
-      return;
-  }
+  record.name = takeName(record);
+  const double stamp = record.stamp;
+  images_.push(stamp, std::move(record));
+  while (auto passed = images_.pop()) accept(std::move(passed->item));
+  noteRefusals();
+}
+
+void Source::accept(ImageRecord&& record) {
   noteStamp(record.stamp);
   if (poseLacksStamp_) addSample(record.stamp, pose_);
   poseLacksStamp_ = false;
   pending_.push_back(std::move(record));
+}
+
+void Source::noteRefusals() {
+  const StampCounts &images = images_.counts(), &samples = samples_.counts();
+  stats_.imagesBadStamp = images.bad;
+  stats_.imagesLeap = images.leaps;
+  stats_.clockRestarts = std::max(images.setBack, samples.setBack);
+  stats_.clockLeaps = std::max(images.setAhead, samples.setAhead);
+  stats_.odometryBadStamp = samples.bad + odometryNoStamp_;
+}
+
+void Source::take(NameRecord&& record) {
+  constexpr std::size_t kWaiting = 64;  // a name stands just before its image
+  if (names_.size() == kWaiting) names_.pop_front();
+  names_.push_back(std::move(record));
+}
+
+/// The name that a comment gave to this image, the last one with its stamp; empty when none did.
+std::string Source::takeName(const ImageRecord& image) {
+  const auto found = std::find_if(names_.rbegin(), names_.rend(),
+                                  [&](const NameRecord& name) { return name.stamp == image.stamp; });
+  if (found == names_.rend()) return {};
+  std::string name = std::move(found->name);
+  names_.erase(names_.begin(), found.base());
+  return name;
 }
 
 bool Source::useKind(Kind kind) {
@@ -184,7 +218,7 @@ void Source::take(const OdometryRecord& record) {
   if (!wanted || record.label != *odometryLabel_ || !useKind(Kind::kObservation))
     return void(++stats_.odometryOther);
   if (!isFinite(record.pose)) return void(++stats_.odometryBad);
-  if (std::isnan(record.stamp)) return void(++stats_.odometryBadStamp);
+  if (std::isnan(record.stamp)) return void(++odometryNoStamp_);
   addSample(record.stamp, record.pose);
 }
 
@@ -192,14 +226,14 @@ void Source::take(const ActionRecord& record) {
   if (!useKind(Kind::kAction)) return void(++stats_.odometryOther);
   if (!isFinite(record.increment)) return void(++stats_.odometryBad);
   // The path begins where the images before the first action were taken.
-  if (!hasPose_ && !std::isnan(imageGate_.last())) addSample(imageGate_.last(), Pose2{});
+  if (!hasPose_ && !std::isnan(images_.last())) addSample(images_.last(), Pose2{});
   if (!hasPose_) pose_ = Pose2{};
   const Pose2 now = compose(pose_, record.increment);
   if (std::isnan(record.stamp)) {
     stats_.pathLength += std::hypot(record.increment.x, record.increment.y);
     ++stats_.odometry;
-    pose_ = now;
-    hasPose_ = poseLacksStamp_ = true;
+    pose_ = atMeasured_ = now;
+    hasPose_ = hasMeasured_ = poseLacksStamp_ = true;
     return;
   }
   addSample(record.stamp, now);
@@ -208,23 +242,18 @@ void Source::take(const ActionRecord& record) {
 }
 
 void Source::addSample(double stamp, const Pose2& pose) {
-  switch (odometryGate_.check(stamp)) {
-    case StampGate::Verdict::kPass:
-      break;
-    case StampGate::Verdict::kRestart:
-      ++stats_.clockRestarts;
-      track_.clear();
-      break;
-    default:
-      ++stats_.odometryBadStamp;
-      return;
+  samples_.push(stamp, pose);
+  while (const auto passed = samples_.pop()) {
+    if (passed->restart) track_.clear();
+    const Pose2& to = passed->item;
+    if (hasMeasured_) stats_.pathLength += std::hypot(to.x - atMeasured_.x, to.y - atMeasured_.y);
+    ++stats_.odometry;
+    noteStamp(passed->stamp);
+    track_.add(passed->stamp, to);
+    pose_ = atMeasured_ = to;
+    hasPose_ = hasMeasured_ = true;
   }
-  if (hasPose_) stats_.pathLength += std::hypot(pose.x - pose_.x, pose.y - pose_.y);
-  ++stats_.odometry;
-  noteStamp(stamp);
-  track_.add(stamp, pose);
-  pose_ = pose;
-  hasPose_ = true;
+  noteRefusals();
 }
 
 std::optional<types::Frame> Source::deliver(ImageRecord record) {
@@ -248,6 +277,7 @@ std::optional<types::Frame> Source::deliver(ImageRecord record) {
   frame.index = stats_.images++;
   frame.stamp = record.stamp;
   frame.label = record.image.kind == EncodedImage::Kind::kExternal ? record.image.path : record.label;
+  if (!record.name.empty()) frame.label = record.name;
   if (const auto pose = track_.at(record.stamp, params_.odometry_hold))
     frame.T_odom_robot = toIsometry(*pose);
   if (!frame.T_odom_robot && !track_.empty()) ++stats_.imagesNoOdometry;

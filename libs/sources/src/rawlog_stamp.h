@@ -11,7 +11,11 @@ namespace engram::sources {
 /// MRPT counts steps of 100 ns since the year 1601.
 inline constexpr std::int64_t kTicksAtUnixEpoch = 116444736000000000;
 
-/// @param stamp [s since the Unix epoch]
+/// Stamps that those steps can count [s since the Unix epoch]: the years 1601 to 30827.
+inline constexpr double kFirstRawlogStamp = -1.16e10, kLastRawlogStamp = 9.1e11;
+inline bool fitsRawlog(double stamp) { return stamp > kFirstRawlogStamp && stamp < kLastRawlogStamp; }
+
+/// @param stamp [s since the Unix epoch], one that fitsRawlog()
 inline std::uint64_t rawlogTicks(double stamp) {
   return static_cast<std::uint64_t>(std::llround(stamp * 1e7) + kTicksAtUnixEpoch);
 }

@@ -7,16 +7,20 @@
 #include "engram/sources/odometry_track.h"
 #include "gz_archive.h"
 #include "image_codec.h"
+#include "image_name.h"
 #include "rawlog_stamp.h"
 
 #include <mrpt/img/TCamera.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/poses/CPose3D.h>
 #include <mrpt/poses/CPose3DQuat.h>
 
 #include <cerrno>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <vector>
 
 namespace engram::sources {
@@ -40,6 +44,10 @@ void writeFile(const std::string& path, const std::vector<std::uint8_t>& bytes) 
 }
 
 }  // namespace
+
+double stampAsRecorded(double stamp) {
+  return fitsRawlog(stamp) ? unixSeconds(rawlogTicks(stamp)) : std::numeric_limits<double>::quiet_NaN();
+}
 
 class RawlogWriter::Impl {
  public:
@@ -74,9 +82,13 @@ class RawlogWriter::Impl {
   void add(const types::Frame& frame) {
     if (frame.image.empty())
       throw base::Error(path_ + ": frame " + std::to_string(frame.index) + " has no image");
+    if (!fitsRawlog(frame.stamp))
+      throw base::Error(path_ + ": the stamp of frame " + std::to_string(frame.index) + ", " +
+                        std::to_string(frame.stamp) + " s, is none that a rawlog can hold");
     writeWhole([&] {
       empty_ = false;
       label_ = frame.label;
+      if (keepsName()) writeName(frame);
       if (frame.T_odom_robot) writeOdometry(frame);
       frame.right.empty() ? writeImage(frame) : writeStereo(frame);
     });
@@ -92,6 +104,7 @@ class RawlogWriter::Impl {
     if (!frame.right.empty()) replayed.right = decodeAgain(right_.jpeg);
     if (frame.T_odom_robot) replayed.T_odom_robot = toIsometry(pose_);
     replayed.label = params_.external_images ? left_.name : params_.sensor_label;
+    if (keepsName()) replayed.label = label_;
     return replayed;
   }
 
@@ -164,6 +177,15 @@ class RawlogWriter::Impl {
     encoded.kind = EncodedImage::Kind::kFile;
     encoded.bytes = jpeg;
     return decode(encoded, "").image;
+  }
+
+  bool keepsName() const { return params_.file_names && !commentOf(label_).empty(); }
+
+  void writeName(const types::Frame& frame) {
+    mrpt::obs::CObservationComment comment;
+    comment.text = commentOf(frame.label);
+    comment.timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(rawlogTicks(frame.stamp)));
+    out_->WriteObject(&comment);
   }
 
   void writeOdometry(const types::Frame& frame) {

@@ -12,15 +12,17 @@ StampGate::Verdict StampGate::check(double stamp) {
     refusedInARow_ = 0;
     return Verdict::kPass;
   }
+  if (stamp == last_ || (refusedInARow_ > 0 && stamp == refused_)) return Verdict::kRepeated;
   const bool consistent = refusedInARow_ > 0 && stamp > refused_ && stamp - refused_ <= kMaxJump;
+  if (!consistent) firstRefused_ = stamp;
   refusedInARow_ = consistent ? refusedInARow_ + 1 : 1;
   refused_ = stamp;
-  if (refusedInARow_ > kPatience) {
+  if (refusedInARow_ > (firstRefused_ > last_ ? kPatienceAhead : kPatience)) {
+    jump_ = firstRefused_ - last_;
     last_ = stamp;
     refusedInARow_ = 0;
     return Verdict::kRestart;
   }
-  if (stamp == last_) return Verdict::kRepeated;
   return stamp < last_ ? Verdict::kBackwards : Verdict::kJump;
 }
 

@@ -3,12 +3,11 @@
 #include "engram/world/plan.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 namespace engram::world {
@@ -172,12 +171,7 @@ Plan parsePlan(const std::string& text, const std::string& name) {
   return plan;
 }
 
-Plan loadPlan(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw base::Error(path + ": cannot be read");
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return parsePlan(text, path);
-}
+Plan loadPlan(const std::string& path) { return parsePlan(base::readTextFile(path), path); }
 
 std::string Plan::toText() const {
   std::ostringstream out;

@@ -5,11 +5,13 @@
 #include "engram/evaluation/place_truth.h"
 #include "engram/evaluation/trajectory.h"
 #include "engram/evaluation/truth.h"
+#include "engram/evaluation/truth_match.h"
 #include "engram/map/topological_map.h"
 #include "engram/types/frame_report.h"
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,8 +32,14 @@ class MapTruth {
   bool hasPoses() const { return truth_.kind() == evaluation::TruthKind::kPoses; }
   const evaluation::Trajectory& poses() const { return poses_; }
 
-  /// Keeps the true pose of a place that the image of this report made, for later evaluation.
-  void survey(map::TopologicalMap& map, const types::FrameReport& report) const;
+  /// Takes note of an image of the run, for requireMatch().
+  void note(const types::FrameReport& report);
+  /// The same, and keeps the true pose of a place that the image of this report made, for later evaluation.
+  void survey(map::TopologicalMap& map, const types::FrameReport& report);
+
+  /// At the end of a whole run: throws base::Error when the truth cannot be that of its images; says to
+  /// `notices` what was taken for granted.
+  void requireMatch(const map::TopologicalMap& map, std::ostream& notices) const;
 
   /// Is a loop closure from this image to this place real?
   evaluation::Verdict judgeClosure(const map::TopologicalMap& map, const types::FrameReport& report,
@@ -47,6 +55,7 @@ class MapTruth {
 
  private:
   evaluation::Truth truth_;
+  evaluation::TruthMatch match_;
   evaluation::Trajectory poses_;
   evaluation::SurveyedPlaces surveyed_;
   std::vector<base::PlaceId> ids_;

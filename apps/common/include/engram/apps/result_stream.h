@@ -46,6 +46,12 @@ class ResultStream {
   /// Lines that some reader missed.
   std::size_t missed() const;
 
+  /// How many are served at a time: the system's limit on open files, less what the run needs itself.
+  std::size_t mostReaders() const;
+  /// How often a reader was found waiting for whom there was no room, or no descriptor. It is served when
+  /// another one goes.
+  std::size_t postponed() const;
+
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;

@@ -22,7 +22,8 @@ class RunStream {
  public:
   void declare(CLI::App& app);
   /// @param map path of the map, for the first line
-  void open(const std::string& map);
+  /// @param notices takes, while the stream is open, what a person should know at once
+  void open(const std::string& map, std::ostream& notices);
 
   /// A mapping run: the pose is that of the robot's path.
   void sendMapped(const types::FrameReport& report, const types::Frame& frame,
@@ -37,7 +38,10 @@ class RunStream {
   void close(std::ostream& err);
 
  private:
+  void send(const std::string& line);
+
   std::string target_;
+  std::ostream* notices_ = nullptr;  // none, or none any more
   std::unique_ptr<ResultStream> stream_;
   PoseTracker tracker_;
 };

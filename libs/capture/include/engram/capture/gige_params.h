@@ -49,4 +49,7 @@ struct GigeParams {
   void describe(base::Params& p);
 };
 
+/// Throws base::ConfigError when both names of a stereo pair are the same: it would wait for its own images.
+void requireTwoCameras(const GigeParams& params);
+
 }  // namespace engram::capture

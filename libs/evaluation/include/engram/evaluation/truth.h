@@ -56,6 +56,19 @@ class Truth {
   static Truth parse(const std::string& text, const std::string& name, const TruthOptions& options = {});
 
   TruthKind kind() const { return kind_; }
+  /// Of the file, for messages.
+  const std::string& name() const { return name_; }
+
+  /// Whether it knows images by the numbers in the names of their files.
+  bool goesByName() const { return kind_ == TruthKind::kMatches || kind_ == TruthKind::kLinks; }
+  /// By what the truth would know this image: its number or its index; none for poses, and when it has no
+  /// number.
+  std::optional<std::int64_t> keyOf(const FrameRef& frame) const;
+  bool holds(std::int64_t key) const { return keys_.contains(key); }
+  /// How many images, queries or poses it holds.
+  std::size_t size() const { return kind_ == TruthKind::kPoses ? poses_.size() : keys_.size(); }
+  /// How many of its poses have stamps [s] from `first` to `last`, give or take TruthOptions::maxGap.
+  std::size_t posesWithin(double first, double last) const;
   const TruthOptions& options() const { return options_; }
 
   /// Whether it is right to find `query` at the place that `place` made.
@@ -79,12 +92,18 @@ class Truth {
   std::optional<std::int64_t> imageNumber(const FrameRef& frame) const;
   Verdict judgeNumbers(std::int64_t query, std::int64_t place) const;
 
+  std::string name_;
+  std::set<std::int64_t> keys_;  ///< all that it names, but for references of ranges
   TruthKind kind_ = TruthKind::kRanges;
   TruthOptions options_;
   std::map<std::int64_t, std::pair<std::int64_t, std::int64_t>> ranges_;
   std::map<std::int64_t, std::set<std::int64_t>> related_;  ///< matches or links, both ways
   Trajectory poses_;
 };
+
+/// Whether a label is the name of an image file: one with such an extension, or a bare number. Labels of
+/// sensors, such as CAMERA1, are none.
+bool isFileName(const std::string& label);
 
 /// The last run of digits in the file name without its folder and extension: 92 for `pano/IMG_092.jpg`.
 std::optional<std::int64_t> numberInFileName(const std::string& label);

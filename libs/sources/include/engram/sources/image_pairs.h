@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engram/sources/frame_source.h"
+#include "engram/sources/image_folder_source.h"
 
 #include <memory>
 #include <string>
@@ -23,11 +23,12 @@ double stampInName(const std::string& name);
 /// @param left,right as for findImages(); `right` may be empty. A left and a right image belong together when
 ///   the longest numbers in their names are equal. Images without a partner are left out and named in
 ///   problem().
-/// @param stamps empty: one second apart; `names`: stampInName(); else a file with one stamp [s] a line for
+/// @param stamps empty: one second apart; `names`: stampInName(); else a file with one stamp [`unit`] a line
+/// for
 ///   each left image, in natural order.
 /// Throws base::Error when no image has a partner, when names do not tell which belong together, or for a
 /// file of stamps that does not fit.
-std::unique_ptr<FrameSource> openImagePairs(const std::string& left, const std::string& right,
-                                            const std::string& stamps);
+std::unique_ptr<ImageListSource> openImagePairs(const std::string& left, const std::string& right,
+                                                const std::string& stamps, StampUnit unit = StampUnit::kAuto);
 
 }  // namespace engram::sources

@@ -56,6 +56,7 @@ struct RawlogStats {
   std::size_t imagesDamaged = 0;                                      ///< could not be decoded
   std::size_t imagesMissing = 0;                                      ///< stored outside, file not found
   std::size_t imagesBadStamp = 0;    ///< left out: the stamp repeats, goes back, or leaps by more than a year
+  std::size_t imagesLeap = 0;        ///< of these, those that leap ahead
   std::size_t imagesNoStamp = 0;     ///< had no stamp: numbered one second apart
   std::size_t imagesUnpaired = 0;    ///< left out: no right image at their stamp
   double nearestRight = 0.0;         ///< of the first of these, how far away the nearest right one was [s]
@@ -65,6 +66,7 @@ struct RawlogStats {
   std::size_t odometryBadStamp = 0;
   std::size_t odometryOther = 0;             ///< of another kind or label
   std::size_t clockRestarts = 0;             ///< the stamps went back for good
+  std::size_t clockLeaps = 0;                ///< they leapt ahead by more than a year for good
   double firstStamp = 0.0, lastStamp = 0.0;  ///< of images and odometry [s]; 0 when there are none
   double pathLength = 0.0;                   ///< of the odometry used [m]
   std::string firstFailure;                  ///< why the first undecodable or missing image was left out
@@ -74,9 +76,9 @@ struct RawlogStats {
 /// monocular and stereo, as CObservationStereoImages or as two cameras (`right_label`); images embedded or
 /// outside. Streaming, in constant memory.
 ///
-/// Stamps rise, except where the recorder's clock was set back for good (counted). Damage ends the stream:
-/// all before it is delivered, and problem() says what is wrong and where. An image that is damaged in itself
-/// is left out.
+/// Stamps rise, except where the recorder's clock was set back for good, or leapt ahead by more than a year
+/// (both counted, and no image is lost). Damage ends the stream: all before it is delivered, and problem()
+/// says what is wrong and where. An image that is damaged in itself is left out.
 class RawlogSource : public FrameSource {
  public:
   virtual const RawlogStats& stats() const = 0;

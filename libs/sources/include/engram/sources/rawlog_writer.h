@@ -16,11 +16,17 @@ class CSerializable;
 
 namespace engram::sources {
 
+/// A stamp [s] as a rawlog will hold it, in steps of 100 ns; NaN when it cannot.
+double stampAsRecorded(double stamp);
+
 struct RawlogWriterParams {
   std::string sensor_label = "CAMERA";
   std::string odometry_label = "ODOMETRY";
   int jpeg_quality = 90;         ///< 1 … 100
   bool external_images = false;  ///< as files in `<rawlog name>_Images` instead of inside the rawlog
+  /// Keep the labels of the frames, the names of their image files: as CObservationComment, which MRPT's
+  /// programs pass on and show. Truth refers to these names.
+  bool file_names = false;
   std::optional<cameras::StereoRig> stereo;  ///< calibration to write with stereo pairs
   bool overwrite = false;                    ///< replace an existing rawlog (and its folder of images)
   bool live = false;  ///< what is written cannot be made again: keep it whatever happens
@@ -43,7 +49,8 @@ class RawlogWriter {
   RawlogWriter(const RawlogWriter&) = delete;
   RawlogWriter& operator=(const RawlogWriter&) = delete;
 
-  /// Throws base::Error when the disk is full or the image cannot be encoded.
+  /// Throws base::Error when the disk is full, the image cannot be encoded, or the stamp is none for a
+  /// rawlog.
   void add(const types::Frame& frame);
   /// The same; returns the frame as openRawlog() will read it back, bit for bit: after JPEG, and with stamp
   /// and odometry as the rawlog holds them.
