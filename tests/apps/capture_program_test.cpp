@@ -172,11 +172,11 @@ TEST(Capture, SaysWhatIsWrong) {
   refused({"--set", "width=5000"}, "width = 5000 is refused");
   refused({"--set", "expsure_us=5"}, "did you mean 'exposure_us'?");
   refused({"--set", "pixel_format=Mono7"}, "pixel_format = Mono7 is refused");
-  refused({"--feature", "Nonsense"}, "expected NAME=VALUE");
+  refused({"--feature", "Nonsense"}, "expected NAME=VALUE", kUsage);
   refused({"--feature", "Nonsense=1"}, "feature Nonsense = 1 is refused");
   refused({"--plugin", "/nowhere.so"}, "no such file");
   refused({"--seconds", "-3"}, "--seconds", kUsage);
-  refused({"--json", folder.path("none/x.json")}, "there is no folder");
+  refused({"--json", folder.path("none/x.json")}, "does not exist");
 
   std::ofstream(out) << "precious";
   const auto r = capture(record(out, {}));

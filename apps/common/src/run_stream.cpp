@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/apps/run_stream.h"
 
+#include "engram/base/output_file.h"
+
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -25,6 +27,7 @@ void RunStream::declare(CLI::App& app) {
 
 void RunStream::open(const std::string& map) {
   if (target_.empty()) return;
+  if (target_ == base::kStandardOutput) base::requireWritable(target_);
   const nlohmann::ordered_json hello = {{"stream", "engram"}, {"version", kStreamVersion}, {"map", map}};
   stream_ = std::make_unique<ResultStream>(
       target_, hello.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -52,7 +55,11 @@ void RunStream::sendLocalised(const types::FrameReport& report, const map::Topol
 void RunStream::close(std::ostream& err) {
   if (!stream_) return;
   const std::size_t missed = stream_->missed();
+  stream_->finish();
+  const std::string failure = stream_->failure();
+  failed_ = !failure.empty();
   stream_.reset();
+  if (failed_) err << "--stream " << target_ << ": lacks lines: " << failure << "\n";
   if (missed > 0) err << "--stream " << target_ << ": slow readers missed " << missed << " lines\n";
 }
 

@@ -35,9 +35,12 @@ class RunStream {
   std::ostream& summaryTo(std::ostream& out, std::ostream& err) const { return target_ == "-" ? err : out; }
   /// Ends the stream; says how many lines readers missed.
   void close(std::ostream& err);
+  /// After close(): lines are missing on standard output.
+  bool failed() const { return failed_; }
 
  private:
   std::string target_;
+  bool failed_ = false;
   std::unique_ptr<ResultStream> stream_;
   PoseTracker tracker_;
 };
