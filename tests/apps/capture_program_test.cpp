@@ -7,6 +7,7 @@
 #include "camera_process.h"
 #include "engram/sources/rawlog_source.h"
 #include "engram/sources/rawlog_writer.h"
+#include "program_process.h"
 #include "program_run.h"
 #include "rawlog_fixture.h"
 
@@ -157,6 +158,31 @@ TEST(Capture, AFullDiskKeepsWhatWasRecorded) {
   EXPECT_EQ(problem, "");
   EXPECT_GT(frames.size(), 5u);
   EXPECT_THAT(r.out, HasSubstr(std::to_string(frames.size()) + " images"));
+}
+
+// Its first message was once written into the rawlog, which had got the number of standard error.
+TEST(Capture, WithoutStandardErrorTheRecordingIsWhole) {
+  const TempFolder folder;
+  std::vector<std::string> command =
+      record(folder.path("a.rawlog"), {"--set", "frame_rate=50", "--images", "9"});
+  command.insert(command.begin(), "engram-capture");
+  std::erase(command, "-q");
+  const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  const int status = testing::ProgramProcess{command, null}.run();
+  ::close(null);
+  EXPECT_EQ(WEXITSTATUS(status), kOk);
+  std::string problem;
+  EXPECT_EQ(framesIn(folder.path("a.rawlog"), &problem).size(), 9u);
+  EXPECT_EQ(problem, "");
+}
+
+// A camera that does not answer is no reason to lose the recording of yesterday.
+TEST(Capture, AnEarlierRecordingStaysUntilThereIsAnImage) {
+  const TempFolder folder;
+  std::ofstream(folder.path("a.rawlog")) << "yesterday";
+  const auto r = capture(record(folder.path("a.rawlog"), {"--overwrite", "--set", "width=5000"}));
+  EXPECT_EQ(r.code, kError);
+  EXPECT_EQ(sources::test::readAll(folder.path("a.rawlog")).size(), 9u);
 }
 
 TEST(Capture, SaysWhatIsWrong) {
