@@ -116,8 +116,7 @@ TEST_F(OutputsTest, AMinusGivesStandardOutputToProgramsAlone) {
   EXPECT_FALSE(fs::exists("-"));
 }
 
-// The first file that a program opens gets the number of what was closed.
-TEST_F(OutputsTest, NoFileOfAProgramIsStandardError) {
+TEST_F(OutputsTest, APipeGetsAWholeRawlogWithoutStandardDescriptors) {
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
   const pid_t child = ProgramProcess{pack(path("pipe"))}.start();  // without output and error
   const std::string bytes = bytesOf(path("pipe"));
@@ -192,6 +191,7 @@ TEST_F(OutputsTest, AReportThatCannotBeWrittenIsRefusedAtTheStart) {
 }
 
 TEST_F(OutputsTest, AFullDiskInTheMiddleOfAFileLeavesTheEarlierOne) {
+  const std::string map = firstMap();
   writeBytes(path("page.html"), "earlier");
   rlimit old{};
   getrlimit(RLIMIT_FSIZE, &old);
@@ -199,8 +199,8 @@ TEST_F(OutputsTest, AFullDiskInTheMiddleOfAFileLeavesTheEarlierOne) {
   for (const char* format : {"html", "3dscene"}) {
     std::signal(SIGXFSZ, SIG_DFL);  // what a shell hands on
     setrlimit(RLIMIT_FSIZE, &small);
-    const int code = run(
-        {"engram-map", "export", firstMap(), "--format", format, "--overwrite", "--out", path("page.html")});
+    const int code =
+        run({"engram-map", "export", map, "--format", format, "--overwrite", "--out", path("page.html")});
     setrlimit(RLIMIT_FSIZE, &old);
     EXPECT_EQ(code, kError) << format;
     EXPECT_THAT(err_, HasSubstr("page.html")) << format;

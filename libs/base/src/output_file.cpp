@@ -196,7 +196,7 @@ void requireWritable(const std::string& path, bool overwrite) {
   const Target target = targetOf(path, overwrite);
   if (target.standard >= 0) {
     const int flags = ::fcntl(target.standard, F_GETFL);
-    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) fail(path, "the program was started with it closed");
+    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) fail(path, "standard output is closed");
     return;
   }
   if (!target.isNew() && ::access(path.c_str(), W_OK) != 0) fail(path, reasonOf(errno));
