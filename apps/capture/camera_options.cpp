@@ -29,7 +29,7 @@ std::string onlyCameraOf(const base::IniFile& ini) {
 std::pair<std::string, std::string> split(const std::string& assignment, const std::string& option) {
   const auto equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw base::Error(option + " '" + assignment + "': expected NAME=VALUE");
+    throw UsageError(option + " '" + assignment + "': expected NAME=VALUE");
   return {assignment.substr(0, equals), assignment.substr(equals + 1)};
 }
 

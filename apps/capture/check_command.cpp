@@ -39,7 +39,7 @@ class CheckCommand final : public Program {
 };
 
 int CheckCommand::run(std::ostream& out, std::ostream& err) {
-  requireFolderOf(json_);
+  base::requireWritable(json_);
   const auto source = sources::openRawlog(path_, params_);
   capture::StampStatistics stamps;
   std::size_t images = 0;

@@ -27,6 +27,7 @@ class ListCommand final : public Program {
 };
 
 int ListCommand::run(std::ostream& out, std::ostream& err) {
+  base::requireWritable(json_);
   nlohmann::json list = nlohmann::json::array();
   for (const auto& c : capture::discover()) {
     out << c.id << "  " << c.vendor << " " << c.model << ", serial " << c.serial << ", " << c.protocol;

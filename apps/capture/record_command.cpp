@@ -127,7 +127,7 @@ void RecordCommand::declare(CLI::App& app) {
 
 int RecordCommand::run(std::ostream& out, std::ostream& err) {
   const capture::LiveConfig live = camera_.load();
-  requireFolderOf(json_);
+  base::requireWritable(json_);
   capture::RecorderParams params = recorder_;
   params.writer.sensor_label = live.camera.sensor_label;
   Session session(out_, params, capture::queueFor(live.camera, true));

@@ -38,10 +38,11 @@ int ExperimentOptions::threadsInUse() const {
   return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-void claimFolder(const ExperimentOptions& options, const std::string& settings) {
-  if (options.folder.empty()) throw base::Error("--out is needed: a folder for the results");
-  requireFolderOf(options.json);
-  makeFolder(options.folder);
+void claimFolder(const ExperimentOptions& options, const std::string& settings,
+                 std::initializer_list<const char*> results) {
+  if (options.folder.empty()) throw UsageError("--out is needed: a folder for the results");
+  base::requireWritable(options.json);
+  makeFolder(options.folder, results);
   const fs::path folder = options.folder, file = folder / "experiment.ini";
   if (fs::exists(file)) {
     std::ifstream in(file);

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,9 @@ struct ExperimentOptions {
 
 /// Claims a folder for one experiment. What an earlier run with the same settings left there is used again;
 /// the settings are kept in `experiment.ini` in it. Throws base::Error when the folder holds results of other
-/// settings and `overwrite` is false; with it, the results of that experiment are removed.
-void claimFolder(const ExperimentOptions& options, const std::string& settings);
+/// settings and `overwrite` is false; with it, the results of that experiment are removed. Throws it too when
+/// one of the files `results` cannot be written there.
+void claimFolder(const ExperimentOptions& options, const std::string& settings,
+                 std::initializer_list<const char*> results);
 
 }  // namespace engram::apps

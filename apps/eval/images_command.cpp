@@ -183,9 +183,10 @@ int ImagesCommand::run(std::ostream& out, std::ostream& err) {
     return kOk;
   }
   if (reference_.empty() || query_.empty() || truthFile_.empty())
-    throw base::Error("--reference, --query and --truth are all needed");
+    throw UsageError("--reference, --query and --truth are all needed");
   truth_ = evaluation::Truth::load(truthFile_, {margin_, 1.0, 1.0});
-  claimFolder(options_, settings + "\n# reference = " + reference_ + "\n# query = " + query_ + "\n");
+  claimFolder(options_, settings + "\n# reference = " + reference_ + "\n# query = " + query_ + "\n",
+              {"results.csv"});
   pipeline::Perception perception(pipeline_.camera, pipeline_.extractor);
   std::ostream* progress = options_.quiet ? nullptr : &err;
   const auto references = readImages(reference_, perception, progress);

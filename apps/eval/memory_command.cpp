@@ -76,7 +76,7 @@ std::vector<Method> MemoryCommand::chosenMethods() const {
     if (at == all.end()) {
       std::string names;
       for (const auto& m : all) names += " " + m.name;
-      throw base::Error("--methods: there is no '" + name + "'; there are" + names);
+      throw UsageError("--methods: there is no '" + name + "'; there are" + names);
     }
     chosen.push_back(*at);
   }
@@ -108,7 +108,8 @@ int MemoryCommand::run(std::ostream& out, std::ostream& err) {
     return kOk;
   }
   const std::vector<Method> methods = chosenMethods();
-  claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) + "\n");
+  claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) + "\n",
+              {"results.csv", "sweeps.csv", "report.html"});
   const MemoryLab::Options labOptions{options_.folder, options_.seed, options_.threadsInUse(),
                                       options_.quiet ? nullptr : &err};
   MemoryLab lab(lab_, pipeline_, labOptions);

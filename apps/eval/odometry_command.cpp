@@ -64,14 +64,12 @@ bool OdometryCommand::readConfig(std::ostream& out) {
 }
 
 void OdometryCommand::checkOutput() const {
-  if (rawlog_.empty()) throw base::Error("--rawlog is needed: a rawlog of a stereo camera");
-  requireFolderOf(json_);
+  if (rawlog_.empty()) throw UsageError("--rawlog is needed: a rawlog of a stereo camera");
+  base::requireWritable(json_);
   if (folder_.empty()) return;
   makeFolder(folder_);
   for (const char* name : {"trajectory.tum", "frames.csv"})
-    if (!overwrite_ && fs::exists(fs::path(folder_) / name))
-      throw base::Error((fs::path(folder_) / name).string() +
-                        ": exists already; choose another --out or give --overwrite");
+    requireNew((fs::path(folder_) / name).string(), overwrite_);
 }
 
 cameras::StereoRig OdometryCommand::rigOf(const sources::RawlogSource& source) const {

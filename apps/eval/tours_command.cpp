@@ -55,7 +55,8 @@ int ToursCommand::run(std::ostream& out, std::ostream& err) {
     out << settings;
     return kOk;
   }
-  claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) + "\n");
+  claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) + "\n",
+              {"tours.csv", "report.html"});
   ToursLab lab(tours_, world_, pipeline_,
                {options_.folder, options_.threadsInUse(), options_.quiet ? nullptr : &err});
   const auto runs = lab.run(touredMethods(pipeline_));

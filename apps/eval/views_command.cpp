@@ -86,8 +86,10 @@ int ViewsCommand::run(std::ostream& out, std::ostream& err) {
     out << settings;
     return kOk;
   }
-  claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) +
-                            (options_.quick ? ", quick\n" : "\n"));
+  claimFolder(
+      options_,
+      settings + "\n# seed = " + std::to_string(options_.seed) + (options_.quick ? ", quick\n" : "\n"),
+      {"sessions.csv", "offsets.csv", "index.html"});
   world_.seed = options_.seed;
   ViewsWorld experiments(views_, world_, pipeline_,
                          {options_.folder, options_.threadsInUse(), options_.quiet ? nullptr : &err});

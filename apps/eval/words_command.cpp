@@ -85,7 +85,7 @@ void WordsCommand::declare(CLI::App& command) {
 void WordsCommand::refuseImageOptions() const {
   for (const auto& name : kImageOptions)
     if (command_->count(name) > 0)
-      throw base::Error(name + " belongs to --images, which is missing; without both the simulator is used");
+      throw UsageError(name + " belongs to --images, which is missing; without both the simulator is used");
 }
 
 std::string WordsCommand::readConfig() {
@@ -120,8 +120,10 @@ int WordsCommand::run(std::ostream& out, std::ostream& err) {
 }
 
 int WordsCommand::runWorld(const std::string& settings, std::ostream& out, std::ostream& err) {
-  claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) +
-                            (options_.quick ? ", quick\n" : "\n"));
+  claimFolder(
+      options_,
+      settings + "\n# seed = " + std::to_string(options_.seed) + (options_.quick ? ", quick\n" : "\n"),
+      {"mapping.csv", "closures.csv", "localisation.csv", "attempts.csv", "index.html"});
   world_.seed = options_.seed;
   WordsWorld experiments(wordsPlan(options_.quick), words_, world_, pipeline_,
                          {options_.folder, options_.threadsInUse(), options_.quiet ? nullptr : &err});
@@ -148,10 +150,12 @@ void WordsCommand::writeResults(const WordsWorldResult& result, const std::strin
 }
 
 int WordsCommand::runImages(const std::string& settings, std::ostream& out, std::ostream& err) {
-  if (truthFile_.empty()) throw base::Error("--images needs --truth: a file with the ground truth");
+  if (truthFile_.empty()) throw UsageError("--images needs --truth: a file with the ground truth");
   const auto truth = evaluation::Truth::load(truthFile_, {margin_, 1.0, 1.0});
-  claimFolder(options_, settings + "\n# images = " + benchmark_.images +
-                            "\n# reference = " + benchmark_.reference + "\n# truth = " + truthFile_ + "\n");
+  claimFolder(options_,
+              settings + "\n# images = " + benchmark_.images + "\n# reference = " + benchmark_.reference +
+                  "\n# truth = " + truthFile_ + "\n",
+              {"answers.csv", "curve.csv", "index.html"});
   benchmark_.progress = options_.quiet ? nullptr : &err;
   const auto answers = benchmark_.run(truth);
   const LoopFigures figures = figuresOf(answers);

@@ -3,6 +3,7 @@
 #include "gige_sensor.h"
 
 #include "engram/base/error.h"
+#include "engram/base/standard_descriptors.h"
 #include "engram/capture/live_config.h"
 #include "engram/capture/live_source.h"
 
@@ -19,6 +20,9 @@ namespace engram::apps {
 IMPLEMENTS_GENERIC_SENSOR(EngramGigECamera, engram::apps)
 
 namespace {
+
+// When it is loaded, before rawlog-grabber opens its rawlog: messages must not get into that.
+[[maybe_unused]] const bool descriptorsAreOpen = (base::openStandardDescriptors(), true);
 
 /// Keys of MRPT that its base class reads under other names than ours.
 bool isMrptsOwn(const std::string& key) { return key == "sensorLabel" || key == "enabled"; }

@@ -69,14 +69,11 @@ void LocalizeProgram::declare(CLI::App& app) {
 int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   if (config_.load(out)) return kOk;
   if (map_.empty() || !input_.given(config_))
-    throw base::Error("--map is needed, and --rawlog or --live: which images shall be located?");
+    throw UsageError("--map is needed, and --rawlog or --live: which images shall be located?");
   const std::string recordsPath = report_.empty() ? "" : (fs::path(report_) / "images.jsonl").string();
-  for (const std::string& file : {csv_, recordsPath})
-    if (!overwrite_ && !file.empty() && fs::exists(file))
-      throw base::Error(file + " exists; give --overwrite to replace it");
-  requireFolderOf(csv_);
-  requireFolderOf(json_);
   makeFolder(report_);
+  for (const std::string& file : {csv_, recordsPath}) requireNew(file, overwrite_ || resume_);
+  base::requireWritable(json_);
 
   std::optional<store::DriveWriter> drive = openToAdapt(err);
   if (drive && drive->complete()) {
@@ -157,7 +154,7 @@ int LocalizeProgram::conclude(const LocalizeFigures& figures, std::ostream& out,
   }
   if (!problem.empty()) err << name() << ": " << problem << "\n";
   if (base::interrupted()) err << name() << ": interrupted; the results hold every image up to here\n";
-  return input_.exitCode();
+  return stream_.failed() ? kPartial : input_.exitCode();
 }
 
 }  // namespace engram::apps

@@ -146,6 +146,7 @@ int MapProgram::run(std::ostream& out, std::ostream& err) {
 
 int MapProgram::info(std::ostream& out) const {
   const MapFile file = MapFile::open(map_, Access::kReadOnly);
+  base::requireWritable(json_);
   const Json j = figures(file, file.load());
   if (!quiet_) print(out, j, file.header());
   writeJson(json_, nlohmann::json(j));
@@ -166,6 +167,7 @@ int MapProgram::dump(std::ostream& out) const {
 }
 
 int MapProgram::exportMap(std::ostream& out) const {
+  requireNew(output_, overwrite_);
   const MapFile file = MapFile::open(map_, Access::kReadOnly);
   const map::TopologicalMap map = file.load();
   if (format_ == "3dscene") {

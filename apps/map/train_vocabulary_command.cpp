@@ -10,7 +10,6 @@
 #include "engram/store/map_file.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <ostream>
 
 namespace engram::apps {
@@ -61,9 +60,7 @@ int TrainVocabularyCommand::run(std::ostream& out, std::ostream& err) {
     out << config.dump();
     return kOk;
   }
-  requireFolderOf(output_);
-  if (!overwrite_ && std::filesystem::exists(output_))  // said now, not after the work
-    throw base::Error("'" + output_ + "' exists already. Allow overwriting, or choose another name");
+  requireNew(output_, overwrite_);
   const auto images = readMaps();
   std::vector<const types::Descriptors*> views;
   std::size_t descriptors = 0;

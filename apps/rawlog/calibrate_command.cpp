@@ -183,19 +183,18 @@ void CalibrateCommand::calibrateBoth(std::ostream& out) {
 int CalibrateCommand::run(std::ostream& out, std::ostream& err) {
   const auto [width, height] = parseSize(board_, "--board");
   if (width < 3 || height < 3)
-    throw base::Error("--board '" + board_ + "': at least 3x3 inner corners are needed");
+    throw UsageError("--board '" + board_ + "': at least 3x3 inner corners are needed");
   options_.board = {width, height};
   options_.unified = !stereo_ && model_ != "pinhole";
   if (stereo_ && (model_ == "unified" || options_.mirrored))
-    throw base::Error("--stereo calibrates ordinary lenses; leave --model unified and --mirrored out");
-  if (!stereo_ && !right_.empty()) throw base::Error("--right is for --stereo");
+    throw UsageError("--stereo calibrates ordinary lenses; leave --model unified and --mirrored out");
+  if (!stereo_ && !right_.empty()) throw UsageError("--right is for --stereo");
   if (stereo_ && rawlog_.empty() && right_.empty())
-    throw base::Error(
-        "--stereo needs the images of both eyes: --images LEFT --right RIGHT, or --rawlog FILE");
+    throw UsageError("--stereo needs the images of both eyes: --images LEFT --right RIGHT, or --rawlog FILE");
   if (images_.empty() == rawlog_.empty())
-    throw base::Error("name the images: either --images DIR or --rawlog FILE");
-  if (!overwrite_ && std::filesystem::exists(out_))
-    throw base::Error(out_ + ": exists already; choose another name or give --overwrite");
+    throw UsageError("name the images: either --images DIR or --rawlog FILE");
+  requireNew(out_, overwrite_);
+  base::requireWritable(common_.json);
   const auto source = open();
   search(*source, err);
   if (base::interrupted()) return finish("interrupted; no calibration was written", false, false, err);

@@ -100,6 +100,7 @@ class InfoCommand final : public Program {
 };
 
 int InfoCommand::run(std::ostream& out, std::ostream& err) {
+  base::requireWritable(common_.json);
   if (!camera_.empty()) rig_ = cameras::loadStereoRig(camera_);
   const auto source = sources::openRawlog(path_, params_);
   ImageSummary images;

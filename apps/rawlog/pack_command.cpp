@@ -151,21 +151,20 @@ void PackCommand::prepare() {
       used = 0;
     }
     if (used != heading_.size() || !std::isfinite(fixedHeading_))
-      throw base::Error("--heading '" + heading_ + "': expected degrees or the word random");
+      throw UsageError("--heading '" + heading_ + "': expected degrees or the word random");
   }
   if (reproject_.empty() && (heading_ != "0"))
-    throw base::Error("--heading turns the images only together with --reproject CAMERA");
+    throw UsageError("--heading turns the images only together with --reproject CAMERA");
   if (!camera_.empty()) loadCalibration();
   if (wanted_ && writer_.stereo)
-    throw base::Error("--size cannot scale the calibration of a stereo camera; leave one of them out");
+    throw UsageError("--size cannot scale the calibration of a stereo camera; leave one of them out");
   if (!reproject_.empty()) to_ = cameras::loadCamera(reproject_);
   if (to_ && wanted_) to_ = scaledRig(*to_, *wanted_);
   if (!saveCamera_.empty() && !to_ && !from_)
-    throw base::Error("--save-camera needs --camera or --reproject: which calibration should be written?");
-  if (!saveCamera_.empty() && std::filesystem::exists(saveCamera_) && !writer_.overwrite)
-    throw base::Error(saveCamera_ + ": exists already; choose another name or give --overwrite");
-  if (!writer_.overwrite && std::filesystem::exists(out_))
-    throw base::Error(out_ + ": exists already; choose another name or give --overwrite");
+    throw UsageError("--save-camera needs --camera or --reproject: which calibration should be written?");
+  requireNew(saveCamera_, writer_.overwrite);
+  requireNew(out_, writer_.overwrite);
+  base::requireWritable(common_.json);
 }
 
 void PackCommand::loadCalibration() {
@@ -257,9 +256,10 @@ int PackCommand::run(std::ostream& out, std::ostream& err) {
     base::writeText(saveCamera_, cameras::toText(*writer_.stereo), writer_.overwrite);
   else if (!saveCamera_.empty())
     cameras::saveCamera(to_ ? *to_ : scaledRig(*from_, size), saveCamera_);
-  const auto bytes = std::filesystem::file_size(out_);
-  out << out_ << ": " << writer.frames() << " images of " << size.width << "x" << size.height << ", "
-      << bytes / 1024 << " KB\n";
+  const auto bytes = writer.bytes();  // 0 of a pipe
+  out << out_ << ": " << writer.frames() << " images of " << size.width << "x" << size.height;
+  if (bytes > 0) out << ", " << bytes / 1024 << " KB";
+  out << "\n";
   const sources::StampReading stamps = source->stampReading();
   if (!stamps.why.empty()) out << "  " << stamps.why << "; --stamp-unit forces another\n";
   if (!source->clockNote().empty()) out << "  " << source->clockNote() << "\n";

@@ -11,7 +11,8 @@ namespace engram::apps {
 
 void CommonOptions::declare(CLI::App& app) {
   app.add_flag("-q,--quiet", quiet, "No progress on the terminal");
-  app.add_option("--json", json, "Write the figures to this file")->type_name("FILE");
+  app.add_option("--json", json, "Write the figures to this file, or to standard output (-)")
+      ->type_name("FILE");
 }
 
 int finish(const std::string& problem, bool whole, bool interrupted, std::ostream& err) {
@@ -27,7 +28,7 @@ std::pair<int, int> parseSize(const std::string& text, const std::string& option
   const bool hasX = first.ec == std::errc() && first.ptr != end && *first.ptr == 'x';
   const auto second = hasX ? std::from_chars(first.ptr + 1, end, height) : first;
   if (!hasX || second.ec != std::errc() || second.ptr != end || width <= 0 || height <= 0)
-    throw base::Error(option + " '" + text + "': expected two whole numbers such as 640x480");
+    throw UsageError(option + " '" + text + "': expected two whole numbers such as 640x480");
   return {width, height};
 }
 

@@ -69,7 +69,8 @@ void UnpackCommand::writeImage(const std::string& name, const cv::Mat& image) co
   std::vector<std::uint8_t> bytes;
   if (!cv::imencode("." + format_, image, bytes, {cv::IMWRITE_JPEG_QUALITY, 95}))
     throw base::Error(name + ": cannot be encoded as " + format_);
-  base::writeText((fs::path(folder_) / name).string(), std::string(bytes.begin(), bytes.end()), true);
+  base::writeText((fs::path(folder_) / name).string(),
+                  {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, true, base::Sync::kLater);
 }
 
 /// The name of the file that was packed, so that truth finds it again, or a running number; without
@@ -103,7 +104,7 @@ std::string UnpackCommand::unpackFrame(const types::Frame& frame) {
 }
 
 int UnpackCommand::run(std::ostream& out, std::ostream& err) {
-  std::error_code status;
+  base::requireWritable(common_.json);
   if (fs::exists(folder_) && !fs::is_directory(folder_))
     throw base::Error(folder_ + ": exists and is not a folder");
   if (!overwrite_ && fs::exists(folder_) && !fs::is_empty(folder_))
@@ -111,8 +112,7 @@ int UnpackCommand::run(std::ostream& out, std::ostream& err) {
   const auto source = sources::openRawlog(path_, params_);
   auto frame = source->next();
   if (!frame) throw base::Error(source->problem());
-  fs::create_directories(folder_, status);
-  if (status) throw base::Error(folder_ + ": cannot be made: " + status.message());
+  makeFolder(folder_, {"frames.csv"});
   std::string csv = "image,stamp,right,x,y,yaw\n";
   std::size_t images = 0;
   {
@@ -122,6 +122,7 @@ int UnpackCommand::run(std::ostream& out, std::ostream& err) {
       progress.update(source->progress(), ++images);
     }
   }
+  base::syncDisk(folder_);
   base::writeText((fs::path(folder_) / "frames.csv").string(), csv, true);
   out << folder_ << ": " << images << " images and frames.csv\n";
   writeJson(common_.json, {{"images", images}, {"damage", source->damage()}, {"problem", source->problem()}});

@@ -61,17 +61,17 @@ void SlamProgram::declare(CLI::App& app) {
 }
 
 std::string SlamProgram::mapPath() const {
-  if (map_.empty() && input_.rawlog().empty()) throw base::Error("--live needs --map: the file for the map");
+  if (map_.empty() && input_.rawlog().empty()) throw UsageError("--live needs --map: the file for the map");
   return map_.empty() ? fs::path(input_.rawlog()).replace_extension(".engram").string() : map_;
 }
 
 int SlamProgram::run(std::ostream& out, std::ostream& err) {
   if (config_.load(out)) return kOk;
   if (!input_.given(config_))
-    throw base::Error("--rawlog or --live is missing: which images shall be mapped?");
+    throw UsageError("--rawlog or --live is missing: which images shall be mapped?");
   const std::string path = mapPath();
-  requireFolderOf(json_);
-  makeFolder(report_);
+  base::requireWritable(json_);
+  makeFolder(report_, {"images.jsonl", "index.html", "map.3Dscene", "map.graph", "trajectory.tum"});
 
   std::optional<MapTruth> truth;
   if (!truth_.empty()) truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
@@ -154,7 +154,7 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::MapBuilder& mapp
   const std::string problem = input_.problem();
   if (!problem.empty()) err << name() << ": " << problem << "\n";
   if (base::interrupted()) err << name() << ": interrupted; the map holds every image up to here\n";
-  return input_.exitCode();
+  return stream_.failed() ? kPartial : input_.exitCode();
 }
 
 /// Everything a person may want to open, in one folder.

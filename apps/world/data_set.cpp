@@ -87,14 +87,16 @@ std::vector<std::string> targets(const DataSetOptions& o) {
 }
 
 void prepareFolder(const DataSetOptions& o) {
-  std::error_code error;
-  fs::create_directories(o.folder, error);
-  if (error) throw base::Error(o.folder + ": cannot be made: " + error.message());
-  if (o.overwrite) return;
-  for (const auto& name : targets(o))
-    if (fs::exists(fs::path(o.folder) / name))
-      throw base::Error((fs::path(o.folder) / name).string() +
-                        ": exists already; choose another --out or add --overwrite");
+  makeFolder(o.folder);
+  for (const auto& name : targets(o)) {
+    const fs::path target = fs::path(o.folder) / name;
+    if (!o.overwrite && fs::exists(target))
+      throw base::Error(target.string() + ": exists already; choose another --out or add --overwrite");
+    const bool isFolder = name.ends_with("_Images");
+    if (!isFolder) base::requireWritable(target.string());
+    if (isFolder && fs::exists(target) && !fs::is_directory(target))
+      throw base::Error(target.string() + ": is no folder; the images are to go there");
+  }
 }
 
 class Maker {

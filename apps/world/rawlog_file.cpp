@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rawlog_file.h"
 
-#include "engram/base/error.h"
+#include "engram/base/atomic_file.h"
 #include "engram/sources/mrpt_camera.h"
 
 #include <mrpt/io/CMemoryStream.h>
@@ -17,10 +17,10 @@
 
 #include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <fcntl.h>
 #include <filesystem>
-#include <unistd.h>
+#include <sys/stat.h>
+#include <vector>
 #include <zlib.h>
 
 namespace engram::apps {
@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 constexpr int kJpegQuality = 90;
 
 [[noreturn]] void failWriting(const std::string& path) {
-  throw base::Error(path + ": cannot be written: " + std::strerror(errno != 0 ? errno : EIO));
+  throw base::Error(path + ": cannot be written: " + base::reasonOf(errno));
 }
 
 mrpt::Clock::time_point timeOf(double stamp) { return mrpt::Clock::fromDouble(stamp); }
@@ -50,27 +50,27 @@ class RawlogFile::Impl {
  public:
   Impl(const std::string& path, const world::Session& session, RawlogLayout layout, bool external)
       : path_(path),
-        part_(path + ".partial"),
+        output_(path, true),
         folder_(imagesFolder(path)),
         session_(session),
         layout_(layout),
         external_(external) {
     mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(false);  // the default stores raw pixels, ten times as large
     mrpt::img::CImage::SERIALIZATION_JPEG_QUALITY(kJpegQuality);
+    if (external_) {
+      folderPart_ = base::temporaryBeside(folder_);
+      if (::mkdir(folderPart_.c_str(), 0777) != 0) failWriting(folder_);
+    }
     errno = 0;
-    file_ = gzopen(part_.c_str(), "wb1");  // the images are compressed already
-    if (!file_) failWriting(part_);
-    if (!external_) return;
-    std::error_code error;
-    fs::remove_all(folder_ + ".partial", error);
-    if (!fs::create_directory(folder_ + ".partial", error)) failWriting(folder_ + ".partial");
+    // The images are compressed already.
+    file_ = gzdopen(::fcntl(output_.descriptor(), F_DUPFD_CLOEXEC, 0), "wb1");
+    if (!file_) failWriting(path_);
   }
 
   ~Impl() {
     if (file_) gzclose(file_);
     std::error_code ignored;
-    fs::remove(part_, ignored);
-    fs::remove_all(folder_ + ".partial", ignored);
+    if (!folderPart_.empty()) fs::remove_all(folderPart_, ignored);
   }
 
   void add(std::size_t i, const types::Frame& frame) {
@@ -99,17 +99,21 @@ class RawlogFile::Impl {
     gzFile file = file_;
     file_ = nullptr;
     errno = 0;
-    if (gzclose(file) != Z_OK) failWriting(part_);
-    std::error_code error;
-    if (external_) {
-      fs::remove_all(folder_, error);
-      fs::rename(folder_ + ".partial", folder_, error);
-    }
-    if (!error) fs::rename(part_, path_, error);
-    if (error) throw base::Error(path_ + ": cannot be written: " + error.message());
+    if (gzclose(file) != Z_OK) failWriting(path_);
+    if (external_) nameFolder();
+    output_.commit();
   }
 
  private:
+  void nameFolder() {
+    base::syncDisk(folderPart_);
+    std::error_code error;
+    fs::remove_all(folder_, error);
+    fs::rename(folderPart_, folder_, error);
+    if (error) throw base::Error(folder_ + ": cannot be written: " + error.message());
+    folderPart_.clear();
+  }
+
   // Serialised in memory first: MRPT's own file stream loses the errors of the last block.
   void write(const mrpt::serialization::CSerializable& object) {
     mrpt::io::CMemoryStream memory;
@@ -117,7 +121,7 @@ class RawlogFile::Impl {
     archive.WriteObject(&object);
     const auto n = static_cast<unsigned>(memory.getTotalBytesCount());
     errno = 0;
-    if (gzwrite(file_, memory.getRawBufferData(), n) != static_cast<int>(n)) failWriting(part_);
+    if (gzwrite(file_, memory.getRawBufferData(), n) != static_cast<int>(n)) failWriting(path_);
   }
 
   void writeOdometry(double until) {
@@ -138,9 +142,10 @@ class RawlogFile::Impl {
     }
     char name[64];
     std::snprintf(name, sizeof name, "CAMERA_%06zu%s.jpg", i, suffix.c_str());
-    errno = 0;
-    if (!cv::imwrite(folder_ + ".partial/" + name, from, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}))
-      failWriting(folder_);
+    std::vector<unsigned char> jpeg;
+    cv::imencode(".jpg", from, jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+    base::writeText(folderPart_ + "/" + name, {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()},
+                    false, base::Sync::kLater);
     to.setExternalStorage(name);
   }
 
@@ -169,7 +174,9 @@ class RawlogFile::Impl {
     return o;
   }
 
-  std::string path_, part_, folder_;
+  std::string path_;
+  base::OutputFile output_;
+  std::string folder_, folderPart_;
   const world::Session& session_;
   RawlogLayout layout_;
   bool external_;

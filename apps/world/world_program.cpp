@@ -12,11 +12,13 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include <filesystem>
 #include <iostream>
 #include <numbers>
 #include <sstream>
 
 namespace engram::apps {
+namespace fs = std::filesystem;
 
 std::string WorldProgram::description() const {
   return "Simulates a robot with a camera in a building that changes over months, and writes what it saw as "
@@ -127,10 +129,8 @@ int WorldProgram::run(std::ostream& out, std::ostream& err) {
 }
 
 int WorldProgram::make(std::ostream& out, std::ostream& err) {
-  if (dataSet_.folder.empty()) {
-    err << name() << " make: --out is required\n";
-    return kUsage;
-  }
+  if (dataSet_.folder.empty()) throw UsageError("make: --out is required");
+  base::requireWritable(json_);
   const world::Eyes sight = eyes();
   const world::World world(plan(), params_);
   dataSet_.preset = planFile_.empty() ? preset_ : planFile_;
@@ -158,7 +158,10 @@ int WorldProgram::make(std::ostream& out, std::ostream& err) {
 }
 
 int WorldProgram::render(std::ostream& out) {
-  if (out_.empty()) throw base::Error("render: --out is required, for example --out view.png");
+  if (out_.empty()) throw UsageError("render: --out is required, for example --out view.png");
+  const std::string ending = out_ == base::kStandardOutput ? ".png" : fs::path(out_).extension().string();
+  if (ending != ".png" && ending != ".jpg") throw UsageError("--out '" + out_ + "' must end in .png or .jpg");
+  base::requireWritable(out_);
   const world::Eyes sight = eyes();
   const world::World world(plan(), params_);
   world::Pose2 pose = world.route().at(0);
@@ -167,16 +170,12 @@ int WorldProgram::render(std::ostream& out) {
     char comma1 = 0, comma2 = 0;
     if (!(in >> pose.x >> comma1 >> pose.y >> comma2 >> pose.heading) || comma1 != ',' || comma2 != ',' ||
         !in.eof())
-      throw base::Error("--pose '" + pose_ + "' is not x,y,heading, for example 4,7,90");
+      throw UsageError("--pose '" + pose_ + "' is not x,y,heading, for example 4,7,90");
     pose.heading *= std::numbers::pi / 180;
   }
   const world::Appearance appearance = world.appearance(session_);
   const cv::Mat image = world::renderAt(world, appearance, sight.left, pose, threads_);
   std::vector<unsigned char> bytes;
-  const auto dot = out_.rfind('.');
-  const std::string ending = dot == std::string::npos ? "" : out_.substr(dot);
-  if (ending != ".png" && ending != ".jpg")
-    throw base::Error("--out '" + out_ + "' must end in .png or .jpg");
   cv::imencode(ending, image, bytes);
   base::writeText(out_, std::string(bytes.begin(), bytes.end()), true);
   out << "session " << session_ << ": " << appearance.inWords() << "\n";
@@ -184,6 +183,7 @@ int WorldProgram::render(std::ostream& out) {
 }
 
 int WorldProgram::showPlan(std::ostream& out) {
+  base::requireWritable(out_);
   const world::Plan p = plan();
   const bool picture = out_.size() > 4 && out_.substr(out_.size() - 4) == ".png";
   if (out_.empty()) {

@@ -7,6 +7,7 @@
 #include "camera_process.h"
 #include "engram/sources/rawlog_source.h"
 #include "engram/sources/rawlog_writer.h"
+#include "program_process.h"
 #include "program_run.h"
 #include "rawlog_fixture.h"
 
@@ -159,6 +160,31 @@ TEST(Capture, AFullDiskKeepsWhatWasRecorded) {
   EXPECT_THAT(r.out, HasSubstr(std::to_string(frames.size()) + " images"));
 }
 
+// Its first message was once written into the rawlog, which had got the number of standard error.
+TEST(Capture, WithoutStandardErrorTheRecordingIsWhole) {
+  const TempFolder folder;
+  std::vector<std::string> command =
+      record(folder.path("a.rawlog"), {"--set", "frame_rate=50", "--images", "9"});
+  command.insert(command.begin(), "engram-capture");
+  std::erase(command, "-q");
+  const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  const int status = testing::ProgramProcess{command, null}.run();
+  ::close(null);
+  EXPECT_EQ(WEXITSTATUS(status), kOk);
+  std::string problem;
+  EXPECT_EQ(framesIn(folder.path("a.rawlog"), &problem).size(), 9u);
+  EXPECT_EQ(problem, "");
+}
+
+// A camera that does not answer is no reason to lose the recording of yesterday.
+TEST(Capture, AnEarlierRecordingStaysUntilThereIsAnImage) {
+  const TempFolder folder;
+  std::ofstream(folder.path("a.rawlog")) << "yesterday";
+  const auto r = capture(record(folder.path("a.rawlog"), {"--overwrite", "--set", "width=5000"}));
+  EXPECT_EQ(r.code, kError);
+  EXPECT_EQ(sources::test::readAll(folder.path("a.rawlog")).size(), 9u);
+}
+
 TEST(Capture, SaysWhatIsWrong) {
   const TempFolder folder;
   const std::string out = folder.path("a.rawlog");
@@ -172,12 +198,12 @@ TEST(Capture, SaysWhatIsWrong) {
   refused({"--set", "width=5000"}, "width = 5000 is refused");
   refused({"--set", "expsure_us=5"}, "did you mean 'exposure_us'?");
   refused({"--set", "pixel_format=Mono7"}, "pixel_format = Mono7 is refused");
-  refused({"--feature", "Nonsense"}, "expected NAME=VALUE");
+  refused({"--feature", "Nonsense"}, "expected NAME=VALUE", kUsage);
   refused({"--feature", "Nonsense=1"}, "feature Nonsense = 1 is refused");
   refused({"--plugin", "/nowhere.so"}, "no such file");
   refused({"--seconds", "-3"}, "--seconds", kUsage);
   refused({"--right", "Fake_1"}, "right_camera: 'Fake_1' is the left camera too");
-  refused({"--json", folder.path("none/x.json")}, "there is no folder");
+  refused({"--json", folder.path("none/x.json")}, "does not exist");
 
   std::ofstream(out) << "precious";
   const auto r = capture(record(out, {}));

@@ -205,10 +205,10 @@ TEST_F(MemoryLabTest, DamagedIntermediateFilesAreNamed) {
 }
 
 TEST_F(MemoryLabTest, SaysWhatIsWrongWithTheCommand) {
-  EXPECT_EQ(memory({}).code, kError);  // no --out
+  EXPECT_EQ(memory({}).code, kUsage);  // no --out
   EvalProgram program;
   std::ostringstream out, err;
-  EXPECT_EQ(runProgram(program, {"memory", "--out", path("x"), "--methods", "fish"}, out, err), kError);
+  EXPECT_EQ(runProgram(program, {"memory", "--out", path("x"), "--methods", "fish"}, out, err), kUsage);
   EXPECT_THAT(err.str(), HasSubstr("fish"));
   EXPECT_THAT(err.str(), HasSubstr("multi_store_4_5"));
   EvalProgram second;

@@ -333,7 +333,7 @@ TEST_F(ToursTest, GoesOnFromWhatIsThere) {
 }
 
 TEST_F(ToursTest, RefusesWhatItCannotUse) {
-  EXPECT_EQ(tours({}).code, kError);
+  EXPECT_EQ(tours({}).code, kUsage);
   const RunResult sudden = tours({"--out", path("bad"), "--set", "change.sudden_sessions=soon"});
   EXPECT_EQ(sudden.code, kError);
   EXPECT_THAT(sudden.err, HasSubstr("sudden_sessions"));

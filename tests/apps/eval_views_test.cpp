@@ -100,7 +100,7 @@ TEST_F(ViewsTest, DefaultsAreThoseOfItsConfiguration) {
 }
 
 TEST_F(ViewsTest, RefusesWhatItCannotUse) {
-  EXPECT_EQ(views({"--quick"}).code, kError);  // no --out
+  EXPECT_EQ(views({"--quick"}).code, kUsage);  // no --out
   const RunResult kappas = views({"--quick", "--out", path("x"), "--set", "views_world.kappas=2,many"});
   EXPECT_EQ(kappas.code, kError);
   EXPECT_THAT(kappas.err, HasSubstr("'many' is no whole number"));

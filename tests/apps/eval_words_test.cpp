@@ -194,7 +194,7 @@ TEST_F(WordsTest, DefaultsAreThoseOfItsConfiguration) {
 }
 
 TEST_F(WordsTest, RefusesWhatItCannotUse) {
-  EXPECT_EQ(words({"--images", path("both")}).code, kError);
+  EXPECT_EQ(words({"--images", path("both")}).code, kUsage);
   const RunResult nowhere =
       words({"--images", path("none"), "--truth", path("truth.csv"), "--out", path("x")});
   EXPECT_EQ(nowhere.code, kError);

@@ -279,13 +279,13 @@ TEST_F(WordsWorldTest, DefaultsAreThoseOfItsConfiguration) {
 
 TEST_F(WordsWorldTest, RefusesWhatItCannotUse) {
   const RunResult truth = words({"--truth", "t.csv", "--out", path("x")});
-  EXPECT_EQ(truth.code, kError);
+  EXPECT_EQ(truth.code, kUsage);
   EXPECT_THAT(truth.err, HasSubstr("--truth belongs to --images"));
   EXPECT_THAT(words({"--stops", "2", "--out", path("x")}).err, HasSubstr("--stops"));
   const RunResult none = words({"--out", path("x"), "--set", "words_world.attempts=0"});
   EXPECT_EQ(none.code, kError);
   EXPECT_THAT(none.err, HasSubstr("attempts"));
-  EXPECT_EQ(words({"--quick"}).code, kError);  // no --out
+  EXPECT_EQ(words({"--quick"}).code, kUsage);  // no --out
   const RunResult camera = words({"--quick", "--out", path("y"), "--set", "camera.file=/no/such/camera.ini"});
   EXPECT_EQ(camera.code, kError);
   EXPECT_THAT(camera.err, HasSubstr("/no/such/camera.ini"));

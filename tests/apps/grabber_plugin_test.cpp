@@ -9,6 +9,9 @@
 #include <gtest/gtest.h>
 #include <mrpt/apps/RawlogGrabberApp.h>
 
+#include <cstdlib>
+#include <dlfcn.h>
+#include <fcntl.h>
 #include <fstream>
 #include <unistd.h>
 
@@ -42,6 +45,17 @@ std::string grab(const std::string& config, double seconds) {
   app.run_for_seconds = seconds;
   app.run();
   return app.rawlog_filename;
+}
+
+TEST(GrabberPluginDeathTest, LoadedWithoutStandardErrorItKeepsThatNumberFromFiles) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        close(STDERR_FILENO);
+        const bool loaded = dlopen(ENGRAM_GRABBER_PLUGIN, RTLD_NOW) != nullptr;
+        std::_Exit(loaded && open("/dev/null", O_RDONLY) > STDERR_FILENO ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
 }
 
 TEST(GrabberPlugin, RawlogGrabberRecordsOurCamera) {

@@ -174,7 +174,7 @@ TEST_F(LocalizeTest, UsageErrorsAndHelp) {
   EXPECT_EQ(help.code, kOk);
   EXPECT_THAT(help.out, AllOf(HasSubstr("Examples"), HasSubstr("Exit codes"), HasSubstr("--adapt")));
   const RunResult missing = localize({config(), "--rawlog", rawlog(2)});
-  EXPECT_EQ(missing.code, kError);
+  EXPECT_EQ(missing.code, kUsage);
   EXPECT_THAT(missing.err, HasSubstr("--map is needed, and --rawlog or --live"));
 }
 

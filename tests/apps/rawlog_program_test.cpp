@@ -292,8 +292,8 @@ TEST_F(RawlogTool, BadInput) {
   makeImages("in", 2, {100, 80});
   makeImages("empty", 0);
   const std::string omni = std::string(ENGRAM_SOURCE_DIR) + "/share/cameras/omni_world.ini";
-  const auto expectError = [](const RunResult& result, const std::string& part) {
-    EXPECT_EQ(result.code, kError);
+  const auto expectError = [](const RunResult& result, const std::string& part, int code = kError) {
+    EXPECT_EQ(result.code, code);
     EXPECT_THAT(result.err, HasSubstr(part));
   };
   const std::string out = path("o.rawlog");
@@ -304,18 +304,19 @@ TEST_F(RawlogTool, BadInput) {
   expectError(run({"pack", "--images", path("in"), "--reproject", omni, "--out", out}), "no full panoramas");
   expectError(run({"pack", "--images", path("in"), "--reproject", path("no.ini"), "--out", out}), "no.ini");
   expectError(run({"pack", "--images", path("in"), "--heading", "left", "--reproject", omni, "--out", out}),
-              "expected degrees or the word random");
+              "expected degrees or the word random", kUsage);
   expectError(run({"pack", "--images", path("in"), "--heading", "30", "--out", out}),
-              "only together with --reproject");
-  expectError(run({"pack", "--images", path("in"), "--size", "640", "--out", out}), "such as 640x480");
-  expectError(run({"pack", "--images", path("in"), "--out", path("none/o.rawlog")}), "no such folder");
+              "only together with --reproject", kUsage);
+  expectError(run({"pack", "--images", path("in"), "--size", "640", "--out", out}), "such as 640x480",
+              kUsage);
+  expectError(run({"pack", "--images", path("in"), "--out", path("none/o.rawlog")}), "does not exist");
   expectError(
       run({"calibrate", "--images", path("in"), "--board", "9x6", "--square", "0.03", "--out", out, "-q"}),
       "the board was found in 0 images");
   expectError(run({"calibrate", "--board", "9x6", "--square", "0.03", "--out", out}),
-              "either --images DIR or --rawlog");
+              "either --images DIR or --rawlog", kUsage);
   expectError(run({"calibrate", "--images", path("in"), "--board", "9", "--square", "0.03", "--out", out}),
-              "--board '9'");
+              "--board '9'", kUsage);
   EXPECT_FALSE(fs::exists(out));
 }
 

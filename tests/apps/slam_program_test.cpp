@@ -132,7 +132,9 @@ TEST_F(SlamTest, UsageErrorsAndHelp) {
   const RunResult help = slam({"--help"});
   EXPECT_EQ(help.code, kOk);
   EXPECT_THAT(help.out, AllOf(HasSubstr("Examples"), HasSubstr("Exit codes"), HasSubstr("--extend")));
-  EXPECT_THAT(refusal({config()}), HasSubstr("--rawlog or --live is missing"));
+  const RunResult missing = slam({config()});
+  EXPECT_EQ(missing.code, kUsage);
+  EXPECT_THAT(missing.err, HasSubstr("--rawlog or --live is missing"));
 }
 
 TEST_F(SlamTest, BadConfigurationIsNamedWithFileLineSectionAndKey) {

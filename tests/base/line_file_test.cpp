@@ -66,7 +66,7 @@ TEST_F(LineFileTest, AFileThatCannotBeBegunIsAnError) {
     file.add("one");
     FAIL() << "a folder was written";
   } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("Is a directory"));
+    EXPECT_THAT(e.what(), HasSubstr("it is a folder"));
   }
 }
 

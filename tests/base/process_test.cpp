@@ -5,15 +5,20 @@
 #include "engram/base/interrupt.h"
 #include "engram/base/parallel.h"
 #include "engram/base/progress.h"
+#include "engram/base/standard_descriptors.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
+#include <fcntl.h>
+#include <iostream>
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
+#include <unistd.h>
 
 namespace engram::base {
 namespace {
@@ -75,6 +80,54 @@ TEST(InterruptDeathTest, FirstSignalSetsTheFlagAndTheSecondEnds) {
         },
         testing::KilledBySignal(signal), "");
   }
+}
+
+TEST(InterruptDeathTest, AHangUpSetsTheFlagHoweverOftenItComes) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto hangUp = [](int exitWhenSet) {
+    installInterruptHandler();
+    std::raise(SIGHUP);
+    std::raise(SIGHUP);  // of the terminal and of its shell
+    std::_Exit(interrupted() ? exitWhenSet : 11);
+  };
+  EXPECT_EXIT(hangUp(0), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(
+      {
+        std::signal(SIGHUP, SIG_IGN);  // nohup
+        hangUp(12);
+      },
+      testing::ExitedWithCode(11), "");
+}
+
+TEST(StandardDescriptorsDeathTest, NoFileGetsTheNumberOfAStandardOne) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  for (int closed = 1; closed < 8; ++closed) {
+    EXPECT_EXIT(
+        {
+          for (int i = 0; i < 3; ++i)
+            if ((closed >> i & 1) != 0) ::close(i);
+          openStandardDescriptors();
+          const bool outFails = ::write(STDOUT_FILENO, "", 0) < 0;
+          const bool asClosed = outFails == ((closed & 2) != 0);
+          std::_Exit(asClosed && ::open("/dev/null", O_RDONLY) > 2 ? 0 : 1);
+        },
+        testing::ExitedWithCode(0), "")
+        << closed;
+  }
+}
+
+TEST(Progress, AsksTheStreamItWritesToWhetherItIsATerminal) {
+  const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(master, 0);
+  ASSERT_EQ(::grantpt(master) + ::unlockpt(master), 0);
+  const int terminal = ::open(::ptsname(master), O_RDWR | O_NOCTTY), saved = ::dup(STDERR_FILENO);
+  ASSERT_GE(terminal, 0);
+  ::dup2(terminal, STDERR_FILENO);
+  const bool err = isTerminal(std::cerr), other = isTerminal(std::ostringstream());
+  ::dup2(saved, STDERR_FILENO);
+  for (const int descriptor : {saved, terminal, master}) ::close(descriptor);
+  EXPECT_TRUE(err);
+  EXPECT_FALSE(other);
 }
 
 TEST(Progress, IsSilentWithoutAStreamAndBeforeItHasSomethingToSay) {

@@ -2,25 +2,48 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/apps/program.h"
 
+#include "engram/apps/standard_output.h"
 #include "engram/base/atomic_file.h"
-#include "engram/base/error.h"
 #include "engram/base/interrupt.h"
+#include "engram/base/standard_descriptors.h"
 
 #include <nlohmann/json.hpp>
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
+#include <algorithm>
+#include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <sys/resource.h>
-#include <unistd.h>
 
 namespace engram::apps {
+namespace {
 
-int runProgram(Program& program, const std::vector<std::string>& arguments, std::ostream& out,
-               std::ostream& err) {
+/// How many options of the command line send their output to standard output.
+std::size_t countStandardOutputs(const CLI::App& app) {
+  std::size_t n = 0;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& value : option->results())
+      n += !option->get_positional() && value == base::kStandardOutput;
+  for (const CLI::App* command : app.get_subcommands()) n += countStandardOutputs(*command);
+  return n;
+}
+
+bool asks(const CLI::App& app, const std::string& name) {
+  const CLI::Option* option = app.get_option_no_throw(name);
+  if (option != nullptr && option->count() > 0) return true;
+  const auto commands = app.get_subcommands();
+  return std::any_of(commands.begin(), commands.end(), [&](const CLI::App* c) { return asks(*c, name); });
+}
+
+/// Where results for people go: aside, when an output for programs takes standard output.
+std::ostream& summaryTo(const CLI::App& app, std::ostream& out, std::ostream& err) {
+  const std::size_t claims = asks(app, "--dump-config") ? 0 : countStandardOutputs(app);
+  if (claims > 1) throw UsageError("two outputs are to go to standard output (-); give one of them a file");
+  return claims > 0 ? err : out;
+}
+
+int parseAndRun(Program& program, const std::vector<std::string>& arguments, std::ostream& out,
+                std::ostream& err) {
   CLI::App app(program.description(), program.name());
   app.footer("Examples:\n" + program.examples() +
              "\nExit codes: 0 ok, 1 error, 2 usage, 3 stopped early, what was done is kept.");
@@ -31,12 +54,26 @@ int runProgram(Program& program, const std::vector<std::string>& arguments, std:
   } catch (const CLI::ParseError& e) {
     return app.exit(e, out, err) == 0 ? kOk : kUsage;
   }
+  return program.run(summaryTo(app, out, err), err);
+}
+
+}  // namespace
+
+int runProgram(Program& program, const std::vector<std::string>& arguments, std::ostream& out,
+               std::ostream& err) {
   try {
-    return program.run(out, err);
+    const int code = parseAndRun(program, arguments, out, err);
+    out.flush();
+    return code;
   } catch (const base::Interrupted& e) {
     err << program.name() << ": " << e.what()
         << "; what was done is kept, and the same command goes on from there\n";
     return kPartial;
+  } catch (const UsageError& e) {
+    err << program.name() << ": " << e.what() << "\nRun with --help for more information.\n";
+    return kUsage;
+  } catch (const base::ClosedPipe&) {
+    throw;
   } catch (const std::exception& e) {
     err << program.name() << ": " << e.what() << "\n";
     return kError;
@@ -44,8 +81,22 @@ int runProgram(Program& program, const std::vector<std::string>& arguments, std:
 }
 
 int runProgram(Program& program, int argc, const char* const* argv) {
+  base::openStandardDescriptors();
   base::installInterruptHandler();
-  return runProgram(program, std::vector<std::string>(argv + 1, argv + argc), std::cout, std::cerr);
+  // The writes fail instead, in the middle of no file.
+  const auto onClosedPipe = std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  StandardOutput out;
+  try {
+    return runProgram(program, std::vector<std::string>(argv + 1, argv + argc), out, std::cerr);
+  } catch (const base::ClosedPipe& e) {
+    if (onClosedPipe == SIG_DFL) {  // quiet, as other tools end before `| head`
+      std::signal(SIGPIPE, SIG_DFL);
+      std::raise(SIGPIPE);
+    }
+    std::cerr << program.name() << ": " << e.what() << "\n";
+    return kError;
+  }
 }
 
 std::string CommandProgram::examples() const {
@@ -74,17 +125,19 @@ void ConfigOptions::declare(CLI::App& app) {
   app.add_flag("--dump-config", dump, "Print every key in force with its meaning, and stop");
 }
 
-void requireFolderOf(const std::string& path) {
-  const auto folder = std::filesystem::path(path).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder))
-    throw base::Error(path + ": cannot be written: there is no folder " + folder.string());
-}
-
-void makeFolder(const std::string& path) {
+void makeFolder(const std::string& path, std::initializer_list<const char*> files) {
   if (path.empty()) return;
   std::error_code status;
   std::filesystem::create_directories(path, status);
   if (status) throw base::Error(path + ": the folder cannot be made (" + status.message() + ")");
+  base::requireWritableFolder(path);
+  for (const char* file : files) base::requireWritable((std::filesystem::path(path) / file).string());
+}
+
+void requireNew(const std::string& path, bool overwrite) {
+  if (!path.empty() && !overwrite && std::filesystem::is_regular_file(path))
+    throw base::Error(path + ": exists already; choose another name or give --overwrite");
+  base::requireWritable(path);
 }
 
 void writeJson(const std::string& path, const nlohmann::json& figures) {

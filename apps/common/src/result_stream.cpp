@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/apps/result_stream.h"
 
-#include "engram/base/error.h"
+#include "engram/base/output_file.h"
 
 #include <nlohmann/json.hpp>
 
@@ -139,10 +139,15 @@ class ResultStream::Impl {
     thread_ = std::thread([this] { run(); });
   }
 
-  ~Impl() {
+  void finish() {
+    if (!thread_.joinable()) return;
     stopping_ = true;
     wakeUp();
     thread_.join();
+  }
+
+  ~Impl() {
+    finish();
     for (const auto& reader : readers_)
       if (reader.descriptor != STDOUT_FILENO) ::close(reader.descriptor);
     if (listener_ >= 0) {
@@ -167,6 +172,10 @@ class ResultStream::Impl {
   std::size_t missed() const { return missed_; }
   std::size_t mostReaders() const { return mostReaders_; }
   std::size_t postponed() const { return postponed_; }
+  std::string failure() const {
+    const std::lock_guard lock(mutex_);
+    return failure_;
+  }
 
  private:
   void wakeUp() {
@@ -252,7 +261,7 @@ class ResultStream::Impl {
   }
 
   /// False when the reader has gone.
-  static bool writeTo(Reader& reader) {
+  bool writeTo(Reader& reader) {
     while (!reader.lines.empty() &&
            (reader.chunk.empty() || reader.chunk.size() + reader.lines.front().size() <= kChunk) &&
            reader.written == 0) {
@@ -262,6 +271,8 @@ class ResultStream::Impl {
     }
     const std::size_t n = std::min(kChunk, reader.chunk.size() - reader.written);
     const auto done = ::write(reader.descriptor, reader.chunk.data() + reader.written, n);
+    if (done < 0 && reader.descriptor == STDOUT_FILENO && errno != EPIPE && errno != EAGAIN && errno != EINTR)
+      failure_ = base::reasonOf(errno);
     if (done < 0) return errno == EAGAIN || errno == EINTR;
     reader.written += static_cast<std::size_t>(done);
     if (reader.written < reader.chunk.size()) return true;
@@ -276,6 +287,7 @@ class ResultStream::Impl {
   Clock::time_point openFrom_ = Clock::time_point::min();  // no new reader before
   mutable std::mutex mutex_;
   std::vector<Reader> readers_;  // under mutex_
+  std::string failure_;          // likewise
   std::atomic<std::size_t> missed_{0}, postponed_{0};
   std::atomic<bool> stopping_{false};
   std::thread thread_;
@@ -284,10 +296,12 @@ class ResultStream::Impl {
 ResultStream::ResultStream(const std::string& target, const std::string& hello)
     : impl_(std::make_unique<Impl>(target, hello)) {}
 ResultStream::~ResultStream() = default;
+void ResultStream::finish() { impl_->finish(); }
 void ResultStream::send(const std::string& line) { impl_->send(line); }
 std::size_t ResultStream::readers() const { return impl_->readers(); }
 std::size_t ResultStream::missed() const { return impl_->missed(); }
 std::size_t ResultStream::mostReaders() const { return impl_->mostReaders(); }
 std::size_t ResultStream::postponed() const { return impl_->postponed(); }
+std::string ResultStream::failure() const { return impl_->failure(); }
 
 }  // namespace engram::apps

@@ -41,9 +41,9 @@ void RunInput::open(const RunConfig& config, std::ostream& notices) {
   if (offline_ || live_) return;
   notices_ = &notices;
   const bool wantsLive = !config.liveSection.empty();
-  if (wantsLive && !rawlog_.empty()) throw base::Error("--rawlog and --live: give one of them");
+  if (wantsLive && !rawlog_.empty()) throw UsageError("--rawlog and --live: give one of them");
   if (!wantsLive && (!recordPath_.empty() || seconds_ > 0))
-    throw base::Error("--record and --seconds are for --live");
+    throw UsageError("--record and --seconds are for --live");
   if (!wantsLive) {
     offline_ = sources::openRawlog(rawlog_, config.source);
     return;

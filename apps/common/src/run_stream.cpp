@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/apps/run_stream.h"
 
+#include "engram/base/output_file.h"
+
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -26,6 +28,7 @@ void RunStream::declare(CLI::App& app) {
 void RunStream::open(const std::string& map, std::ostream& notices) {
   if (target_.empty()) return;
   notices_ = &notices;
+  if (target_ == base::kStandardOutput) base::requireWritable(target_);
   const nlohmann::ordered_json hello = {{"stream", "engram"}, {"version", kStreamVersion}, {"map", map}};
   stream_ = std::make_unique<ResultStream>(
       target_, hello.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -63,9 +66,13 @@ void RunStream::send(const std::string& line) {
 void RunStream::close(std::ostream& err) {
   if (!stream_) return;
   const std::size_t missed = stream_->missed(), postponed = stream_->postponed();
+  stream_->finish();
+  const std::string failure = stream_->failure();
+  failed_ = !failure.empty();
   stream_.reset();
   if (postponed > 0)
     err << "--stream " << target_ << ": readers had to wait (found " << postponed << " times)\n";
+  if (failed_) err << "--stream " << target_ << ": lacks lines: " << failure << "\n";
   if (missed > 0) err << "--stream " << target_ << ": slow readers missed " << missed << " lines\n";
 }
 

@@ -17,11 +17,19 @@ extern "C" void onSignal(int number) {
   signalled = 1;
 }
 
+extern "C" void onHangUp(int) { signalled = 1; }
+
+bool isIgnored(int number) {
+  struct sigaction action {};
+  return ::sigaction(number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 }  // namespace
 
 void installInterruptHandler() {
   std::signal(SIGINT, onSignal);
   std::signal(SIGTERM, onSignal);
+  if (!isIgnored(SIGHUP)) std::signal(SIGHUP, onHangUp);  // nohup
 }
 
 bool interrupted() { return signalled != 0; }

@@ -2,21 +2,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/base/line_file.h"
 
-#include "engram/base/error.h"
+#include "engram/base/output_file.h"
 
 #include <cerrno>
-#include <cstring>
+#include <unistd.h>
 
 namespace engram::base {
 
+LineFile::~LineFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
 void LineFile::add(const std::string& line) {
   if (!wanted() || !failure_.empty()) return;
-  errno = 0;
-  const auto reason = [] { return std::string(std::strerror(errno != 0 ? errno : EIO)); };
-  if (!out_.is_open()) out_.open(path_, std::ios::binary);
-  if (!out_.is_open()) throw Error("cannot write '" + path_ + "': " + reason());
-  out_ << line << '\n' << std::flush;
-  if (!out_) failure_ = "'" + path_ + "' lacks lines: " + reason();
+  if (descriptor_ < 0) descriptor_ = openOutput(path_);
+  const int error = writeAll(descriptor_, line + '\n');
+  if (error == EPIPE && path_ == kStandardOutput) throw ClosedPipe();
+  if (error != 0) failure_ = "'" + path_ + "' lacks lines: " + reasonOf(error);
 }
 
 }  // namespace engram::base

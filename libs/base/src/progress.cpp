@@ -3,7 +3,7 @@
 #include "engram/base/progress.h"
 
 #include <cstdio>
-#include <ostream>
+#include <iostream>
 #include <unistd.h>
 
 namespace engram::base {
@@ -28,10 +28,15 @@ std::string describe(const std::string& what, double fraction, std::size_t items
 
 }  // namespace
 
+bool isTerminal(const std::ostream& out) {
+  if (&out == &std::cerr || &out == &std::clog) return ::isatty(STDERR_FILENO) != 0;
+  return &out == &std::cout && ::isatty(STDOUT_FILENO) != 0;
+}
+
 Progress::Progress(std::ostream* out, std::string what)
     : out_(out),
       what_(std::move(what)),
-      isTerminal_(isatty(STDERR_FILENO) != 0),
+      isTerminal_(out != nullptr && isTerminal(*out)),
       start_(Clock::now()),
       last_(start_) {}
 

@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/cameras/camera_rig.h"
 
-#include "engram/base/error.h"
+#include "engram/base/atomic_file.h"
 #include "mrpt_stereo.h"
 #include "rig_text.h"
 
 #include <opencv2/imgcodecs.hpp>
 
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 namespace engram::cameras {
 
@@ -50,15 +50,14 @@ void saveCamera(const CameraRig& rig, const std::string& path) {
   const std::filesystem::path file(path);
   if (!rig.maskParams.file.empty()) {
     copy.maskParams.file = file.stem().string() + "_mask.png";
-    const std::string image = (file.parent_path() / copy.maskParams.file).string();
-    if (!cv::imwrite(image, rig.mask))
-      throw base::ConfigError(image + ": cannot be written; does the folder exist and may you write to it?");
+    if (!base::isRegularOutput(path))
+      throw base::Error(path + ": the mask '" + rig.maskParams.file + "' is to lie beside the calibration");
+    std::vector<unsigned char> png;
+    cv::imencode(".png", rig.mask, png);
+    base::writeText((file.parent_path() / copy.maskParams.file).string(),
+                    {reinterpret_cast<const char*>(png.data()), png.size()}, true);
   }
-  std::ofstream out(path);
-  out << toText(copy);
-  out.close();
-  if (!out)
-    throw base::ConfigError(path + ": cannot be written; does the folder exist and may you write to it?");
+  base::writeText(path, toText(copy), true);
 }
 
 }  // namespace engram::cameras

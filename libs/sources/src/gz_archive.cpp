@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "gz_archive.h"
 
-#include "engram/base/error.h"
+#include "engram/base/output_file.h"
 
 #include <cerrno>
-#include <cstring>
 #include <fcntl.h>
 #include <stdexcept>
 #include <sys/stat.h>
@@ -14,16 +13,16 @@
 namespace engram::sources {
 
 void failWriting(const std::string& path, int error) {
-  const std::string hint =
-      error == ENOSPC || error == EFBIG || error == EDQUOT ? "; free some space or choose another disk" : "";
-  throw base::Error(path + ": cannot be written: " + std::strerror(error) + hint);
+  if (error == EPIPE && path == base::kStandardOutput) throw base::ClosedPipe();
+  throw base::Error(path + ": cannot be written: " + base::reasonOf(error));
 }
 
-GzArchive::GzArchive(std::string path) : path_(std::move(path)) {
-  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) failWriting(path_, errno);
-  file_ = gzdopen(::dup(descriptor_), "wb1");  // the images are compressed already
-  if (!file_) failWriting(path_, errno);
+GzArchive::GzArchive(int descriptor, std::string path) : path_(std::move(path)), descriptor_(descriptor) {
+  file_ = gzdopen(::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0), "wb1");  // the images are compressed already
+  if (file_) return;
+  const int error = errno;
+  ::close(descriptor_);
+  failWriting(path_, error);
 }
 
 GzArchive::~GzArchive() {
@@ -33,8 +32,8 @@ GzArchive::~GzArchive() {
 
 void GzArchive::flush(bool sync) {
   errno = 0;
-  if (dirty_ && (gzflush(file_, Z_FINISH) != Z_OK || (sync && ::fdatasync(descriptor_) != 0)))
-    failWriting(path_, errno != 0 ? errno : EIO);
+  if (dirty_ && gzflush(file_, Z_FINISH) != Z_OK) failWriting(path_, errno);
+  if (dirty_ && sync) toDisk();
   if (dirty_) whole_ = size();
   dirty_ = false;
 }
@@ -43,8 +42,13 @@ void GzArchive::finish() {
   gzFile file = file_;
   file_ = nullptr;
   errno = 0;
-  if (gzclose_w(file) != Z_OK || ::fsync(descriptor_) != 0) failWriting(path_, errno != 0 ? errno : EIO);
+  if (gzclose_w(file) != Z_OK) failWriting(path_, errno);
+  toDisk();
   whole_ = size();
+}
+
+void GzArchive::toDisk() const {
+  if (const int error = base::syncFile(descriptor_); error != 0) failWriting(path_, error);
 }
 
 void GzArchive::cutBack() noexcept {
@@ -63,7 +67,7 @@ void GzArchive::bytes(const void* data, std::size_t n) {
   errno = 0;
   dirty_ = dirty_ || n > 0;
   if (n > 0 && gzwrite(file_, data, static_cast<unsigned>(n)) != static_cast<int>(n))
-    failWriting(path_, errno != 0 ? errno : EIO);
+    failWriting(path_, errno);
 }
 
 size_t GzArchive::read(void*, size_t) { throw std::logic_error("GzArchive is for writing"); }

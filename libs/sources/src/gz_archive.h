@@ -17,7 +17,8 @@ namespace engram::sources {
 /// last block.
 class GzArchive final : public mrpt::serialization::CArchive {
  public:
-  explicit GzArchive(std::string path);
+  /// Takes the descriptor; `path` is for messages.
+  GzArchive(int descriptor, std::string path);
   ~GzArchive() override;
   GzArchive(const GzArchive&) = delete;
   GzArchive& operator=(const GzArchive&) = delete;
@@ -55,6 +56,8 @@ class GzArchive final : public mrpt::serialization::CArchive {
   size_t read(void* to, size_t n) override;
 
  private:
+  void toDisk() const;
+
   std::string path_;
   int descriptor_ = -1;
   gzFile file_ = nullptr;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/sources/rawlog_writer.h"
 
-#include "engram/base/error.h"
+#include "engram/base/output_file.h"
 #include "engram/sources/mrpt_camera.h"
 #include "engram/sources/odometry_track.h"
 #include "gz_archive.h"
@@ -18,9 +18,10 @@
 
 #include <cerrno>
 #include <cmath>
+#include <fcntl.h>
 #include <filesystem>
-#include <fstream>
 #include <limits>
+#include <unistd.h>
 #include <vector>
 
 namespace engram::sources {
@@ -36,11 +37,16 @@ std::string imagesFolderOf(const std::string& path) {
 }
 
 void writeFile(const std::string& path, const std::vector<std::uint8_t>& bytes) {
-  errno = 0;
-  std::ofstream out(path, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out) failWriting(path, errno != 0 ? errno : EIO);
+  const int descriptor = base::openOutput(path);
+  const int error = base::writeAll(descriptor, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  ::close(descriptor);
+  if (error != 0) failWriting(path, error);
+}
+
+void makeFolder(const std::string& path) {
+  std::error_code status;
+  fs::create_directory(path, status);
+  if (status) throw base::Error(path + ": cannot be made: " + status.message());
 }
 
 }  // namespace
@@ -52,31 +58,29 @@ double stampAsRecorded(double stamp) {
 class RawlogWriter::Impl {
  public:
   Impl(const std::string& path, const RawlogWriterParams& params)
-      : path_(path),
-        params_(params),
-        part_(params.live ? path : path + ".part"),
-        folder_(imagesFolderOf(path)),
-        folderPart_(params.live ? folder_ : folder_ + ".part") {
-    for (const auto& target : {path_, params_.external_images ? folder_ : path_})
-      if (!params_.overwrite && fs::exists(target))
-        throw base::Error(target + ": exists already; choose another name or allow to overwrite it");
+      : path_(path), params_(params), folder_(imagesFolderOf(path)) {
     const auto parent = fs::path(path_).parent_path();
     if (!parent.empty() && !fs::is_directory(parent)) throw base::Error(parent.string() + ": no such folder");
-    out_ = std::make_unique<GzArchive>(part_);
-    if (!params_.external_images) return;
-    std::error_code status;
-    fs::remove_all(folderPart_, status);
-    fs::create_directory(folderPart_, status);
-    if (status) throw base::Error(folderPart_ + ": cannot be made: " + status.message());
+    const bool regular = base::isRegularOutput(path_);
+    if (params_.external_images && !regular)
+      throw base::Error(path_ + ": is no file that a folder of images can lie beside");
+    for (const auto& target : {path_, params_.external_images ? folder_ : path_})
+      if (!params_.overwrite && regular && fs::exists(target))
+        throw base::Error(target + ": exists already; choose another name or allow to overwrite it");
+    if (params_.external_images && fs::exists(folder_) && !fs::is_directory(folder_))
+      throw base::Error(folder_ + ": is no folder; the images are to go there");
+    base::requireWritable(path_);
+    if (!params_.live) begin();
   }
 
   ~Impl() {
     if (params_.live) keepWhatIsWhole();
     out_.reset();
-    if (params_.live && !empty_) return;
     std::error_code ignored;
-    fs::remove(part_, ignored);
-    if (params_.external_images) fs::remove_all(folderPart_, ignored);
+    if (!folderPart_.empty()) fs::remove_all(folderPart_, ignored);
+    if (!begun_ || !params_.live || !empty_) return;
+    fs::remove(path_, ignored);
+    if (params_.external_images) fs::remove_all(folder_, ignored);
   }
 
   void add(const types::Frame& frame) {
@@ -116,25 +120,20 @@ class RawlogWriter::Impl {
   }
 
   void flush() {
-    writeWhole([&] { out_->flush(params_.sync); });
+    if (begun_) writeWhole([&] { out_->flush(params_.sync); });
     framesSafe_ = frames_;
   }
 
   void close() {
-    if (!out_) return;
+    if (closed_) return;
     writeWhole([&] { out_->finish(); });
     framesSafe_ = frames_;
     finalBytes_ = out_->size();
     out_.reset();
+    closed_ = true;
     if (params_.live) return;
-    std::error_code status;
-    if (params_.external_images) {
-      fs::remove_all(folder_, status);
-      fs::rename(folderPart_, folder_, status);
-      if (status) throw base::Error(folder_ + ": cannot be made: " + status.message());
-    }
-    fs::rename(part_, path_, status);
-    if (status) throw base::Error(path_ + ": cannot be written: " + status.message());
+    if (params_.external_images) nameFolder();
+    file_->commit();
   }
 
   std::size_t frames() const { return frames_; }
@@ -148,18 +147,50 @@ class RawlogWriter::Impl {
     std::string name;  ///< of the file, when it lies outside
   };
 
+  /// A live recording begins with its first object: until then an earlier one of that name stays.
+  void begin() {
+    begun_ = true;
+    if (params_.live) {
+      out_ = std::make_unique<GzArchive>(base::openOutput(path_), path_);
+      if (params_.external_images) makeFolder(folder_);
+      return;
+    }
+    file_ = std::make_unique<base::OutputFile>(path_, params_.overwrite);
+    out_ = std::make_unique<GzArchive>(::fcntl(file_->descriptor(), F_DUPFD_CLOEXEC, 0), path_);
+    if (!params_.external_images) return;
+    folderPart_ = base::temporaryBeside(folder_);
+    makeFolder(folderPart_);
+  }
+
   /// Half an object must not stay: what follows it could not be read.
   template <class Write>
   void writeWhole(const Write& write) {
-    if (!out_) throw base::Error(path_ + ": is closed already");
+    if (closed_) throw base::Error(path_ + ": is closed already");
+    if (!begun_) begin();
     try {
       write();
     } catch (...) {
       out_->cutBack();
       finalBytes_ = out_->size();
       out_.reset();
+      closed_ = true;
       throw;
     }
+  }
+
+  /// The folder of an earlier rawlog goes when the new one is in its place.
+  void nameFolder() {
+    base::syncDisk(folderPart_);
+    std::error_code status, ignored;
+    const std::string old = base::temporaryBeside(folder_);
+    fs::rename(folder_, old, ignored);
+    fs::rename(folderPart_, folder_, status);
+    if (status) {
+      fs::rename(old, folder_, ignored);
+      throw base::Error(folder_ + ": cannot be made: " + status.message());
+    }
+    folderPart_.clear();
+    fs::remove_all(old, ignored);
   }
 
   /// The end of a live recording that was not closed: an exception passes.
@@ -253,7 +284,7 @@ class RawlogWriter::Impl {
     out_->value(static_cast<std::uint8_t>(params_.external_images ? 1 : 0));
     if (params_.external_images) {
       written.name = externalName(suffix);
-      writeFile(folderPart_ + "/" + written.name, bytes);
+      writeFile((params_.live ? folder_ : folderPart_) + "/" + written.name, bytes);
       externalBytes_ += bytes.size();
       out_->text(written.name);
     } else {
@@ -268,8 +299,10 @@ class RawlogWriter::Impl {
 
   std::string path_;
   RawlogWriterParams params_;
-  std::string part_, folder_, folderPart_;
+  std::string folder_, folderPart_;         // of the images outside
+  std::unique_ptr<base::OutputFile> file_;  // unless live
   std::unique_ptr<GzArchive> out_;
+  bool begun_ = false, closed_ = false;
   std::size_t frames_ = 0, framesSafe_ = 0;
   std::uint64_t finalBytes_ = 0, externalBytes_ = 0;
   bool empty_ = true;  // nothing was ever written

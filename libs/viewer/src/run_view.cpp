@@ -3,7 +3,7 @@
 #include "engram/viewer/run_view.h"
 
 #include "annotator.h"
-#include "engram/base/error.h"
+#include "engram/base/atomic_file.h"
 #include "map_scene.h"
 #include "snapshot.h"
 
@@ -19,6 +19,7 @@
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace engram::viewer {
 namespace {
@@ -75,7 +76,10 @@ class RunView::Impl {
 
   void savePicture(const std::string& path) const {
     const std::lock_guard lock(mutex_);
-    if (!panel_.empty() && !cv::imwrite(path, panel_)) throw base::Error(path + ": cannot be written");
+    if (panel_.empty()) return;
+    std::vector<unsigned char> png;
+    cv::imencode(".png", panel_, png);
+    base::writeText(path, {reinterpret_cast<const char*>(png.data()), png.size()}, true);
   }
 
   bool closed() const { return closed_; }

@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/base/error.h"
+#include "engram/base/output_file.h"
+
 #include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
 
 #include <functional>
+#include <initializer_list>
 #include <iosfwd>
 #include <memory>
 #include <string>
@@ -19,6 +23,12 @@ enum ExitCode : int {
   kError = 1,    ///< bad input or a failure; nothing useful was made
   kUsage = 2,    ///< the command line cannot be understood
   kPartial = 3,  ///< stopped early (Ctrl-C, damaged input); what was done is kept
+};
+
+/// A command line that lacks something or contradicts itself: exit code 2.
+class UsageError : public base::Error {
+ public:
+  using Error::Error;
 };
 
 /// A program as a class: main() is `return runProgram(program, argc, argv);`, and tests call it with their
@@ -50,8 +60,13 @@ class CommandProgram : public Program {
   Program* chosen_ = nullptr;
 };
 
-/// Parses, runs, and turns exceptions into a message and an exit code.
+/// Parses, runs, and turns exceptions into a message and an exit code. An option whose value is "-" takes
+/// standard output; what `run` gets as `out` then goes to `err`.
+///
+/// For main(): a standard output that cannot be written is an error. When its reader has gone (`| head`) the
+/// process ends by SIGPIPE, as other tools do, but not before everything in hand is closed.
 int runProgram(Program& program, int argc, const char* const* argv);
+/// Throws base::ClosedPipe when the reader of `out` has gone.
 int runProgram(Program& program, const std::vector<std::string>& arguments, std::ostream& out,
                std::ostream& err);
 
@@ -64,15 +79,14 @@ struct ConfigOptions {
   void declare(CLI::App& app);
 };
 
-/// Throws base::Error when the folder of an output file does not exist: found out before the work, not after
-/// it. An empty path is no output.
-void requireFolderOf(const std::string& path);
-
 /// Makes a folder for output, with its parents; an empty path makes none. Throws base::Error when it cannot
-/// be made.
-void makeFolder(const std::string& path);
+/// be made, or when one of the `files` cannot be written in it (base::requireWritable).
+void makeFolder(const std::string& path, std::initializer_list<const char*> files = {});
 
-/// --json FILE; does nothing with an empty path.
+/// base::requireWritable() whose message names the option of our programs, --overwrite.
+void requireNew(const std::string& path, bool overwrite);
+
+/// --json FILE, or - for standard output; does nothing with an empty path.
 void writeJson(const std::string& path, const nlohmann::json& figures);
 
 /// Largest resident memory of this process so far [byte].

@@ -34,10 +34,12 @@ class ResultStream {
   /// @param hello first line for each reader
   /// Throws base::Error when the path exists and is no abandoned socket, or cannot be used.
   ResultStream(const std::string& target, const std::string& hello);
-  /// Gives readers half a second to take what is left.
   ~ResultStream();
   ResultStream(const ResultStream&) = delete;
   ResultStream& operator=(const ResultStream&) = delete;
+
+  /// Gives readers half a second to take what is left; the destructor does the same.
+  void finish();
 
   /// Returns at once.
   void send(const std::string& line);
@@ -45,6 +47,9 @@ class ResultStream {
   std::size_t readers() const;
   /// Lines that some reader missed.
   std::size_t missed() const;
+  /// Why standard output takes no lines, such as a full disk; empty when it does, or when its reader has
+  /// gone.
+  std::string failure() const;
 
   /// How many are served at a time: the system's limit on open files, less what the run needs itself.
   std::size_t mostReaders() const;

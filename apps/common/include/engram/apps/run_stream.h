@@ -36,12 +36,15 @@ class RunStream {
   std::ostream& summaryTo(std::ostream& out, std::ostream& err) const { return target_ == "-" ? err : out; }
   /// Ends the stream; says how many lines readers missed.
   void close(std::ostream& err);
+  /// After close(): lines are missing on standard output.
+  bool failed() const { return failed_; }
 
  private:
   void send(const std::string& line);
 
   std::string target_;
   std::ostream* notices_ = nullptr;  // none, or none any more
+  bool failed_ = false;
   std::unique_ptr<ResultStream> stream_;
   PoseTracker tracker_;
 };

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <fstream>
 #include <string>
 
 namespace engram::base {
@@ -11,19 +10,23 @@ namespace engram::base {
 /// and a crash loses none.
 class LineFile {
  public:
-  /// An empty path writes nothing.
+  /// An empty path writes nothing; "-" is standard output.
   explicit LineFile(std::string path) : path_(std::move(path)) {}
+  ~LineFile();
+  LineFile(const LineFile&) = delete;
+  LineFile& operator=(const LineFile&) = delete;
   bool wanted() const { return !path_.empty(); }
 
   /// The first line begins the file and replaces an old one; throws base::Error when it cannot. After a later
   /// failure, such as a full disk, nothing more is written: it must not end the work that the lines tell of.
+  /// A standard output whose reader has gone does end it, by ClosedPipe.
   void add(const std::string& line);
   /// Why lines are missing, with the name of the file; empty when none is.
   const std::string& failure() const { return failure_; }
 
  private:
   std::string path_, failure_;
-  std::ofstream out_;
+  int descriptor_ = -1;
 };
 
 }  // namespace engram::base

@@ -8,6 +8,9 @@
 
 namespace engram::base {
 
+/// True when the stream is one of the process's own and goes to a terminal.
+bool isTerminal(const std::ostream& out);
+
 /// One line on a terminal, rewritten in place: what, share done, rate and time left. On a file or pipe it
 /// prints a line every ten seconds. Silent when `out` is null.
 class Progress {

@@ -35,11 +35,11 @@ struct RawlogWriterParams {
 
 /// Writes frames as a gzip rawlog of observations: for each frame CObservationOdometry where there is
 /// odometry (its part in the plane), then CObservationImage or, with a right image, CObservationStereoImages,
-/// as JPEG. MRPT 2.x reads it. Everything goes to `<path>.part` and gets its name only in close(): there is
-/// never half a rawlog.
+/// as JPEG. MRPT 2.x reads it. Everything goes to a temporary file and gets its name only in close(): there
+/// is never half a rawlog. A device, a pipe or standard output ("-") is written through.
 ///
-/// A live recording has its name from the start. At every flush() it is a whole rawlog; a crash loses what
-/// came after the last one, and so does a full disk.
+/// A live recording has its name from the first object on; until then an earlier file stays. At every flush()
+/// it is a whole rawlog; a crash loses what came after the last one, and so does a full disk.
 class RawlogWriter {
  public:
   /// Throws base::Error when the path exists (and overwrite is false) or cannot be written.
