@@ -3,6 +3,7 @@
 #include "mrpt_stereo.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/cameras/pinhole.h"
 #include "rig_text.h"
 
@@ -48,7 +49,7 @@ class Section {
       double number = 0;
       const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), number);
       if (status != std::errc() || end != word.data() + word.size() || !std::isfinite(number))
-        refuse(key, "'" + word + "' is not a number");
+        refuse(key, base::quoted(word) + " is not a number");
       numbers.push_back(number);
     }
     return numbers;
@@ -73,7 +74,7 @@ void readDistortion(const Section& section, ImagePlaneParams& plane) {
   const std::string name = model ? model->text : section.find("dist") ? "plumb_bob" : "none";
   if (name == "none") return;
   if (name != "plumb_bob")
-    section.refuse("distortion_model", "'" + name + "' is not supported; use plumb_bob or none");
+    section.refuse("distortion_model", base::quoted(name) + " is not supported; use plumb_bob or none");
   const auto dist = section.numbers("dist");
   if (dist.size() != 4 && dist.size() != 5 && dist.size() != 8)
     section.refuse("dist", "expected [k1 k2 p1 p2 k3]");

@@ -3,6 +3,7 @@
 #include "rig_text.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/cameras/equirectangular.h"
 #include "engram/cameras/pinhole.h"
 #include "engram/cameras/unified_sphere.h"
@@ -56,8 +57,8 @@ std::string readModel(const base::IniFile& ini, const std::string& name) {
   const std::string key = "[" + name + "] model";
   if (at == section.end()) fail(ini.name(), key + " is missing: unified_sphere, pinhole or equirectangular");
   if (std::find(kModels.begin(), kModels.end(), at->second.text) == kModels.end())
-    fail(at->second.origin,
-         key + ": '" + at->second.text + "' is not one of unified_sphere, pinhole, equirectangular");
+    fail(at->second.origin, key + ": " + base::quoted(at->second.text) +
+                                " is not one of unified_sphere, pinhole, equirectangular");
   return at->second.text;
 }
 
@@ -110,9 +111,10 @@ cv::Mat drawMask(const Camera& camera, const MaskParams& p, const std::string& n
   const auto path = (std::filesystem::path(name).parent_path() / p.file).string();
   // Asked first because OpenCV prints a warning about a missing file.
   const cv::Mat image = std::filesystem::exists(path) ? cv::imread(path, cv::IMREAD_GRAYSCALE) : cv::Mat();
-  if (image.empty()) fail(name, section + " file: '" + path + "' is not an image that can be read");
+  if (image.empty())
+    fail(name, section + " file: " + base::quoted(path) + " is not an image that can be read");
   if (image.size() != size)
-    fail(name, section + " file: '" + path + "' has " + std::to_string(image.cols) + "x" +
+    fail(name, section + " file: " + base::quoted(path) + " has " + std::to_string(image.cols) + "x" +
                    std::to_string(image.rows) + " pixels, the camera " + std::to_string(size.width) + "x" +
                    std::to_string(size.height));
   mask.setTo(0, image == 0);

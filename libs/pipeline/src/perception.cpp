@@ -3,6 +3,7 @@
 #include "engram/pipeline/perception.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/odometry/row_matcher.h"
 #include "engram/posegraph/graph.h"
 #include "step_timer.h"
@@ -43,9 +44,9 @@ Perception::Perception(CameraParams camera, const features::ExtractorParams& ext
       calibrated_(!params_.file.empty()) {
   if (params_.stereo) {
     if (params_.file.empty() || !cameras::describesStereo(params_.file))
-      throw base::ConfigError(
-          "[camera] stereo = true needs the calibration of a stereo camera, but file = '" + params_.file +
-          "' describes none; make one with `engram-rawlog calibrate --stereo`");
+      throw base::ConfigError("[camera] stereo = true needs the calibration of a stereo camera, but file = " +
+                              base::quoted(params_.file) +
+                              " describes none; make one with `engram-rawlog calibrate --stereo`");
     if (params_.image_width != 0)
       throw base::ConfigError("[camera] image_width must be 0 with stereo = true");
     setStereoRig(cameras::loadStereoRig(params_.file));

@@ -3,6 +3,7 @@
 #include "engram/sources/image_pairs.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/sources/image_folder_source.h"
 #include "image_list.h"
 
@@ -59,7 +60,8 @@ std::vector<double> readStamps(const std::string& path, std::size_t wanted) {
     double stamp = 0;
     const auto [end, status] = std::from_chars(line.data(), line.data() + line.size(), stamp);
     if (status != std::errc() || end != line.data() + line.size() || !std::isfinite(stamp))
-      throw base::Error(path + ":" + std::to_string(number) + ": '" + line + "' is not one stamp [s]");
+      throw base::Error(path + ":" + std::to_string(number) + ": " + base::quoted(line) +
+                        " is not one stamp [s]");
     stamps.push_back(stamp);
   }
   if (stamps.size() != wanted)

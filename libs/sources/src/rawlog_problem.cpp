@@ -11,7 +11,7 @@
 namespace engram::sources {
 namespace {
 
-std::string named(const std::string& label) { return label.empty() ? "''" : label; }
+std::string named(const std::string& label) { return label.empty() ? "''" : base::printable(label); }
 
 /// "225 observations (CObservation2DRangeScan 225) and 224 actions (CActionRobotMovement2D 224)"
 std::string describeContent(const RawlogStats& stats) {
