@@ -170,6 +170,7 @@ nlohmann::json InfoCommand::figures(const sources::RawlogStats& stats, const Ima
           {"images_bad_stamp", stats.imagesBadStamp},
           {"odometry", stats.odometry},
           {"odometry_bad", stats.odometryBad},
+          {"odometry_wild", stats.odometryWild},
           {"odometry_bad_stamp", stats.odometryBadStamp},
           {"path_m", stats.pathLength},
           {"first_stamp", stats.firstStamp},

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/base/text.h"
 
+#include "engram/base/config.h"
+#include "engram/base/error.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -42,6 +45,39 @@ TEST(Quoted, ShortensLongText) {
   for (int i = 0; i < 81; ++i) umlauts += "ü";
   for (int i = 0; i < 79; ++i) shown += "ü";
   EXPECT_EQ(printable(umlauts), shown + "…") << "never in the middle of a character";
+}
+
+/// Values, keys, sections and lines of a file: none is echoed whole, nor obeyed by the terminal.
+TEST(Quoted, MessagesOfTheConfigurationAreShortAndPlain) {
+  struct Robot {
+    int wheels = 2;
+    bool lamp = false;
+    std::string drive = "diff";
+    void describe(Params& p) {
+      p.add("wheels", wheels, "number of wheels");
+      p.add("lamp", lamp, "whether the lamp is on");
+      p.addChoice("drive", drive, "kind of drive", {"diff", "omni"});
+    }
+  };
+  const std::string huge = "\x1b[2J" + std::string(10'000'000, 'x');
+  for (const std::string& text :
+       {"[robot]\nwheels = " + huge, "[robot]\nlamp = " + huge, "[robot]\ndrive = " + huge,
+        "[robot]\n" + huge + " = 1", "[" + huge + "]\na = 1", "[robot]\n" + huge, "[robot" + huge,
+        "[robot]\n" + huge + " = 1\n" + huge + " = 1"}) {
+    Robot robot;
+    Config config;
+    config.bind("robot", robot);
+    std::string message;
+    try {
+      config.read(IniFile::parse(text, "r.ini"));
+    } catch (const ConfigError& e) {
+      message = e.what();
+    }
+    EXPECT_FALSE(message.empty()) << text.substr(0, 20);
+    EXPECT_LT(message.size(), 400u) << text.substr(0, 20);
+    EXPECT_EQ(message.find('\x1b'), std::string::npos) << text.substr(0, 20);
+    EXPECT_NE(message.find("\\x1b[2Jxxx"), std::string::npos) << message;
+  }
 }
 
 }  // namespace

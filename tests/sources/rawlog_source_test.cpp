@@ -8,6 +8,7 @@
 #include "rawlog_fixture.h"
 
 #include <gmock/gmock.h>
+#include <mrpt/obs/CObservation.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include <limits>
@@ -224,6 +225,22 @@ TEST(RawlogSource, BadOdometryAndStampsAreLeftOut) {
   EXPECT_EQ(source->stats().odometryBadStamp, 2u);
   EXPECT_THAT(source->problem(), HasSubstr("2 images left out: the stamp repeats or goes back"));
   EXPECT_THAT(source->problem(), HasSubstr("1 odometry reading left out: not a number"));
+}
+
+/// Every count of 100 ns since 1601 is a time: none overflows.
+TEST(RawlogSource, StampsAtTheEndsOfTheirRange) {
+  const TempFolder folder;
+  const std::uint64_t kLast = std::numeric_limits<std::uint64_t>::max();
+  for (const std::uint64_t ticks : {std::uint64_t{1}, kLast / 2 + 1, kLast - 1, kLast}) {
+    auto image = imageObject(kStart, picture(0));
+    std::dynamic_pointer_cast<mrpt::obs::CObservation>(image)->timestamp =
+        mrpt::Clock::time_point(mrpt::Clock::duration(static_cast<std::int64_t>(ticks)));
+    writeWithMrpt(folder.path("a.rawlog"), {image}, true);
+    auto source = openRawlog(folder.path("a.rawlog"));
+    const auto frames = readFrames(*source);
+    ASSERT_EQ(frames.size(), 1u);
+    EXPECT_NEAR(frames[0].stamp / (static_cast<double>(ticks) * 1e-7 - 11644473600.0), 1, 1e-9) << ticks;
+  }
 }
 
 TEST(RawlogSource, LookAheadIsBounded) {

@@ -98,8 +98,8 @@ IniFile IniFile::parse(const std::string& text, const std::string& name) {
     const std::string key = trim(content.substr(0, equals));
     const auto [at, isNew] = ini.sections_[section].insert({key, {trim(content.substr(equals + 1)), origin}});
     if (!isNew)
-      fail(origin,
-           "[" + printable(section) + "] " + printable(key) + " was set before, at " + at->second.origin);
+      fail(origin, std::string("[") + printable(section) + "] " + printable(key) + " was set before, at " +
+                       at->second.origin);
   }
   return ini;
 }

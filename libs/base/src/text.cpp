@@ -65,6 +65,10 @@ std::string printable(std::string_view text) {
   return out + last;
 }
 
-std::string quoted(std::string_view text) { return "'" + printable(text) + "'"; }
+std::string quoted(std::string_view text) {
+  std::string out(1, '\'');
+  out += printable(text);
+  return out += '\'';
+}
 
 }  // namespace engram::base

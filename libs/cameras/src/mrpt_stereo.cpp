@@ -3,6 +3,7 @@
 #include "mrpt_stereo.h"
 
 #include "engram/base/error.h"
+#include "engram/base/image_header.h"
 #include "engram/base/text.h"
 #include "engram/cameras/pinhole.h"
 #include "rig_text.h"
@@ -88,6 +89,9 @@ void readDistortion(const Section& section, ImagePlaneParams& plane) {
 CameraRig readCamera(const Section& section) {
   const auto resolution = section.numbers("resolution");
   if (resolution.size() != 2) section.refuse("resolution", "expected [width height]");
+  const auto whole = [](double n) { return n == std::floor(n) && n >= 1 && n <= base::kMaxImageSide; };
+  if (!whole(resolution[0]) || !whole(resolution[1]))
+    section.refuse("resolution", "expected whole numbers of 1 to " + std::to_string(base::kMaxImageSide));
   const cv::Size size(static_cast<int>(resolution[0]), static_cast<int>(resolution[1]));
   ImagePlaneParams plane;
   plane.fx = section.number("fx"), plane.fy = section.number("fy");

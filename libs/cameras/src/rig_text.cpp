@@ -3,6 +3,7 @@
 #include "rig_text.h"
 
 #include "engram/base/error.h"
+#include "engram/base/image_header.h"
 #include "engram/base/text.h"
 #include "engram/cameras/equirectangular.h"
 #include "engram/cameras/pinhole.h"
@@ -21,7 +22,6 @@ namespace engram::cameras {
 namespace {
 
 const std::vector<std::string> kModels{"unified_sphere", "pinhole", "equirectangular"};
-constexpr int kMaxPixels = 32768;  // a side
 
 struct MaskText {
   const std::string& model;
@@ -95,6 +95,17 @@ ImagePlaneParams planeOf(const Camera& camera) {
   return {};
 }
 
+cv::Mat readMask(const std::string& path, const std::string& origin) {
+  cv::Mat image;
+  try {
+    image = cv::imdecode(base::readImageBytes(path), cv::IMREAD_GRAYSCALE);
+  } catch (const base::Error& e) {
+    fail(origin, e.what());
+  }
+  if (image.empty()) fail(origin, base::quoted(path) + " is not an image that can be read");
+  return image;
+}
+
 cv::Mat drawMask(const Camera& camera, const MaskParams& p, const std::string& name,
                  const std::string& section) {
   const cv::Size size = camera.imageSize();
@@ -109,10 +120,7 @@ cv::Mat drawMask(const Camera& camera, const MaskParams& p, const std::string& n
     }
   if (p.file.empty()) return mask;
   const auto path = (std::filesystem::path(name).parent_path() / p.file).string();
-  // Asked first because OpenCV prints a warning about a missing file.
-  const cv::Mat image = std::filesystem::exists(path) ? cv::imread(path, cv::IMREAD_GRAYSCALE) : cv::Mat();
-  if (image.empty())
-    fail(name, section + " file: " + base::quoted(path) + " is not an image that can be read");
+  const cv::Mat image = readMask(path, name + ": " + section + " file");
   if (image.size() != size)
     fail(name, section + " file: " + base::quoted(path) + " has " + std::to_string(image.cols) + "x" +
                    std::to_string(image.rows) + " pixels, the camera " + std::to_string(size.width) + "x" +
@@ -161,8 +169,8 @@ MountParams MountParams::of(const Eigen::Isometry3d& T) {
 
 void CalibrationText::describe(base::Params& p) {
   p.addChoice("model", model, "camera model", kModels);
-  p.add("width", width, "image width [px]", {1, kMaxPixels});
-  p.add("height", height, "image height [px]", {1, kMaxPixels});
+  p.add("width", width, "image width [px]", {1, base::kMaxImageSide});
+  p.add("height", height, "image height [px]", {1, base::kMaxImageSide});
   if (model == "equirectangular") return;
   if (model == "unified_sphere") p.add("xi", xi, "mirror parameter of the unified sphere model", {0, 100});
   if (model == "pinhole" && reading)
@@ -241,10 +249,8 @@ std::string readCalibrationFile(const std::string& path) {
 }
 
 void checkSize(cv::Size size) {
-  if (size.width < 1 || size.height < 1 || size.width > kMaxPixels || size.height > kMaxPixels)
-    throw base::Error("camera: an image of " + std::to_string(size.width) + "x" +
-                      std::to_string(size.height) + " pixels; each side must be in [1, " +
-                      std::to_string(kMaxPixels) + "]");
+  if (!base::plausibleSize(size.width, size.height))
+    throw base::Error("camera: width x height = " + base::sizeRefusal(size.width, size.height));
 }
 
 cv::Size scaledSize(cv::Size size, double factorX, double factorY) {

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "image_list.h"
 
+#include "engram/sources/odometry_gate.h"
 #include "engram/sources/stamp_gate.h"
 #include "image_codec.h"
-
-#include <cmath>
 
 namespace engram::sources {
 namespace {
@@ -53,9 +52,9 @@ std::optional<types::Frame> Source::next() {
     frame.stamp = entry.stamp;
     frame.label = entry.label;
     if (entry.pose) {
-      const bool finite = std::isfinite(entry.pose->x + entry.pose->y + entry.pose->yaw);
-      badPoses_ += finite ? 0 : 1;
-      if (finite) frame.T_odom_robot = toIsometry(*entry.pose);
+      const bool good = judgePose(*entry.pose) == PoseVerdict::kPass;
+      badPoses_ += good ? 0 : 1;
+      if (good) frame.T_odom_robot = toIsometry(*entry.pose);
     }
     return frame;
   }
@@ -69,7 +68,7 @@ std::string Source::problem() const {
   };
   say(unreadable_, "image(s) left out: cannot be read (" + firstFailure_ + ")");
   say(badStamps_, "image(s) left out: the stamp repeats or goes back");
-  say(badPoses_, "image(s) with odometry that is not a number");
+  say(badPoses_, "image(s) with odometry that is not a number, or that no robot can have");
   return text.empty() ? text : name_ + ": " + text;
 }
 

@@ -88,6 +88,8 @@ std::string describeProblem(const std::string& path, const std::string& damage, 
   say(stats.imagesNoStamp, "image", "without a stamp: numbered one second apart");
   say(stats.imagesNoOdometry, "image", "without odometry near in time");
   say(stats.odometryBad, "odometry reading", "left out: not a number");
+  say(stats.odometryWild, "odometry reading",
+      "left out: no robot is more than 20000 km away, or moves 10 km between two actions");
   say(stats.odometryBadStamp, "odometry reading", "left out: the stamp repeats or goes back");
   say(stats.clockRestarts, "time", "the clock was set back: time starts anew there");
   std::string text;

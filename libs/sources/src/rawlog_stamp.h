@@ -11,15 +11,24 @@ namespace engram::sources {
 /// MRPT counts steps of 100 ns since the year 1601.
 inline constexpr std::int64_t kTicksAtUnixEpoch = 116444736000000000;
 
-/// @param stamp [s since the Unix epoch]
+/// Whether a rawlog can hold a stamp [s since the Unix epoch]: from the year 1601 to 29000.
+inline bool hasRawlogTicks(double stamp) {
+  constexpr double kFirst = -static_cast<double>(kTicksAtUnixEpoch) * 1e-7 + 1, kLast = 8.5e11;
+  return stamp >= kFirst && stamp <= kLast;  // not for NaN
+}
+
+/// @param stamp [s since the Unix epoch]; 0, which means none, where hasRawlogTicks() is false
 inline std::uint64_t rawlogTicks(double stamp) {
+  if (!hasRawlogTicks(stamp)) return 0;
   return static_cast<std::uint64_t>(std::llround(stamp * 1e7) + kTicksAtUnixEpoch);
 }
 
 /// [s since the Unix epoch]; NaN when the recorder set none.
 inline double unixSeconds(std::uint64_t ticks) {
   if (ticks == 0) return std::numeric_limits<double>::quiet_NaN();
-  return static_cast<double>(static_cast<std::int64_t>(ticks) - kTicksAtUnixEpoch) * 1e-7;
+  constexpr auto kEpoch = static_cast<std::uint64_t>(kTicksAtUnixEpoch);
+  return ticks >= kEpoch ? static_cast<double>(ticks - kEpoch) * 1e-7
+                         : -static_cast<double>(kEpoch - ticks) * 1e-7;
 }
 
 }  // namespace engram::sources

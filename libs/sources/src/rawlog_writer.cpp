@@ -17,6 +17,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <vector>
 
 namespace engram::sources {
@@ -74,6 +75,12 @@ class RawlogWriter::Impl {
   void add(const types::Frame& frame) {
     if (frame.image.empty())
       throw base::Error(path_ + ": frame " + std::to_string(frame.index) + " has no image");
+    if (!hasRawlogTicks(frame.stamp)) {
+      std::ostringstream stamp;
+      stamp << frame.stamp;
+      throw base::Error(path_ + ": frame " + std::to_string(frame.index) + " has the stamp " + stamp.str() +
+                        ", which no rawlog can hold; give seconds since 1970");
+    }
     writeWhole([&] {
       empty_ = false;
       label_ = frame.label;
