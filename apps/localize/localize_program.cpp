@@ -93,13 +93,16 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     types::FrameReport report = localizer.process(*frame);
     input_.annotate(report);
     stream_.sendLocalised(report, localizer.map());
-    if (adapt_) file->commit(localizer.map(), localizer.map().takeChanges(), &report);
+    if (adapt_ && learnt_.due(report)) learnt_.commitTo(*file, localizer.map());
+    say(eyes_.after(localizer.eyes()), err);
     figures.add(report);
     window_.after(*frame, report, localizer.map());
     if (records.wanted()) records.add(store::toJson(report));
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
   }
   progress.finish();
+  say(eyes_.after(localizer.eyes(), true), err);
+  figures.use().requireSome();
   if (adapt_) {
     figures.addLearnt(localizer.finish().size());
     file->commit(localizer.map(), localizer.map().takeChanges(), nullptr);
@@ -124,9 +127,10 @@ int LocalizeProgram::conclude(const LocalizeFigures& figures, std::ostream& out,
     figures.print(stream_.summaryTo(out, err));
     stream_.summaryTo(out, err) << input_.summary();
   }
-  if (!problem.empty()) err << name() << ": " << problem << "\n";
+  say(problem, err);
   if (base::interrupted()) err << name() << ": interrupted; the results hold every image up to here\n";
-  return input_.exitCode();
+  say(figures.use().complaint(), err);
+  return figures.use().complaint().empty() && !eyes_.faulty() ? input_.exitCode() : kPartial;
 }
 
 }  // namespace engram::apps

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/apps/held_records.h"
 #include "engram/apps/program.h"
 #include "engram/apps/run_config.h"
 #include "engram/apps/run_input.h"
@@ -29,6 +30,8 @@ class LocalizeProgram : public Program {
   RunInput input_;
   RunStream stream_;
   RunWindow window_;
+  HeldRecords learnt_;
+  EyeWatch eyes_;
   std::string map_, truth_, csv_, report_, json_;
   double truthRadius_ = 1.0;
   int truthMargin_ = 0;

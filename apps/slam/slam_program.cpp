@@ -93,8 +93,11 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     input_.annotate(report);
     stream_.sendMapped(report, *frame, mapper.map());
     if (truth) truth->survey(mapper.map(), report);
-    if (!file) file = createMap(path, mapper, *frame);
-    file->commit(mapper.map(), mapper.map().takeChanges(), &report);
+    if (records_.due(report)) {
+      if (!file) file = createMap(path, mapper, records_.firstStamp());
+      records_.commitTo(*file, mapper.map());
+    }
+    say(eyes_.after(mapper.eyes()), err);
     figures.add(report, mapper.map(), truth ? &*truth : nullptr);
     window_.after(*frame, report, mapper.map());
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
@@ -104,16 +107,18 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     if (base::interrupted()) return kPartial;
     throw base::Error(input_.problem().empty() ? "no images" : input_.problem());
   }
+  say(eyes_.after(mapper.eyes(), true), err);
+  figures.use().requireSome();
   mapper.finish();
   file->commit(mapper.map(), mapper.map().takeChanges());
   return conclude(*file, mapper, figures, truth ? &*truth : nullptr, out, err);
 }
 
 store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::MapBuilder& mapper,
-                                      const types::Frame& first) {
+                                      double firstStamp) {
   map::MapHeader header = mapper.header();
   header.parameters = config_.dumpForMap();
-  header.firstStamp = first.stamp;
+  header.firstStamp = firstStamp;
   return store::MapFile::create(path, header, overwrite_);
 }
 
@@ -137,9 +142,10 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::MapBuilder& mapp
   }
 
   const std::string problem = input_.problem();
-  if (!problem.empty()) err << name() << ": " << problem << "\n";
+  say(problem, err);
   if (base::interrupted()) err << name() << ": interrupted; the map holds every image up to here\n";
-  return input_.exitCode();
+  say(figures.use().complaint(), err);
+  return figures.use().complaint().empty() && !eyes_.faulty() ? input_.exitCode() : kPartial;
 }
 
 /// Everything a person may want to open, in one folder.

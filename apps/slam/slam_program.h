@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/apps/held_records.h"
 #include "engram/apps/map_truth.h"
 #include "engram/apps/program.h"
 #include "engram/apps/run_config.h"
@@ -28,8 +29,7 @@ class SlamProgram : public Program {
 
  private:
   std::string mapPath() const;
-  store::MapFile createMap(const std::string& path, const pipeline::MapBuilder& mapper,
-                           const types::Frame& first);
+  store::MapFile createMap(const std::string& path, const pipeline::MapBuilder& mapper, double firstStamp);
   int conclude(store::MapFile& file, const pipeline::MapBuilder& mapper, SlamFigures& figures,
                const MapTruth* truth, std::ostream& out, std::ostream& err);
   void writeReport(const store::MapFile& file, const map::TopologicalMap& map) const;
@@ -38,6 +38,8 @@ class SlamProgram : public Program {
   RunInput input_;
   RunStream stream_;
   RunWindow window_;
+  HeldRecords records_;
+  EyeWatch eyes_;
   std::string map_, report_, truth_, json_;
   double truthRadius_ = 2.0;
   int truthMargin_ = 0;

@@ -48,6 +48,10 @@ int runProgram(Program& program, int argc, const char* const* argv) {
   return runProgram(program, std::vector<std::string>(argv + 1, argv + argc), std::cout, std::cerr);
 }
 
+void Program::say(const std::string& message, std::ostream& err) const {
+  if (!message.empty()) err << name() << ": " << message << "\n" << std::flush;
+}
+
 std::string CommandProgram::examples() const {
   std::string text;
   for (const auto& command : commands_) text += command->examples();

@@ -96,7 +96,7 @@ std::optional<types::Features> Perception::look(const types::Frame& frame, int m
   report.outcome = types::Outcome::kUnusable;
   report.reason = refusal(frame);
   if (!report.reason.empty()) return std::nullopt;
-  types::Features features = stereo_ ? (*this)(rectified(frame)) : (*this)(frame.image);
+  types::Features features = stereo_ ? lookWithBothEyes(frame) : (*this)(frame.image);
   report.features = static_cast<int>(features.size());
   if (report.features >= minFeatures) return features;
   report.reason = "too few features";
@@ -124,6 +124,16 @@ std::string Perception::refusal(const types::Frame& frame) {
     return "the right image is " + sizeText(frame.right.size()) + ", the left one " +
            sizeText(frame.image.size());
   return {};
+}
+
+types::Features Perception::lookWithBothEyes(const types::Frame& frame) {
+  const types::StereoPair pair = rectified(frame);
+  check_.add(pair);
+  return (*this)(pair);
+}
+
+std::optional<odometry::StereoHealth> Perception::eyes() const {
+  return stereo_ ? std::optional(check_.health()) : std::nullopt;
 }
 
 types::StereoPair Perception::rectified(const types::Frame& frame) const {
