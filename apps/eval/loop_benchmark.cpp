@@ -3,6 +3,7 @@
 #include "loop_benchmark.h"
 
 #include "engram/base/error.h"
+#include "engram/base/image_header.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
 #include "engram/evaluation/truth_match.h"
@@ -42,7 +43,7 @@ class ImageFolder {
     frame.stamp = static_cast<double>(step);
     frame.label = names_[i];
     const std::string path = (fs::path(folder_) / names_[i]).string();
-    frame.image = cv::imread(path, cv::IMREAD_COLOR);
+    frame.image = cv::imdecode(base::readImageBytes(path), cv::IMREAD_COLOR);
     if (frame.image.empty()) throw base::Error(path + " cannot be read as an image; repair or remove it");
     return frame;
   }

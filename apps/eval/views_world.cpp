@@ -6,6 +6,7 @@
 #include "engram/base/error.h"
 #include "engram/base/progress.h"
 #include "engram/base/rng.h"
+#include "engram/base/text.h"
 #include "engram/cameras/stereo_rig.h"
 #include "engram/vocabulary/vocabulary_tree.h"
 #include "run_jobs.h"
@@ -200,7 +201,8 @@ ViewsResult ViewsWorld::run() {
   const auto kappas = listOf(params_.kappas);
   for (const std::string& kappa : kappas)
     if (kappa.empty() || kappa.find_first_not_of("0123456789") != std::string::npos || std::stoi(kappa) < 1)
-      throw base::ConfigError("[views_world] kappas: '" + kappa + "' is no whole number from 1 on");
+      throw base::ConfigError("[views_world] kappas: " + base::quoted(kappa) +
+                              " is no whole number from 1 on");
   for (const char* folder : {"drives", "maps"}) fs::create_directories(fileOf(folder));
   eye_ = makeEye(params_.sequence_scale, "camera.ini");
   lifelongEye_ = makeEye(params_.lifelong_scale, "camera_lifelong.ini");

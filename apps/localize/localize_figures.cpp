@@ -63,6 +63,7 @@ void LocalizeFigures::add(const types::FrameReport& report) {
   }
   if (truth_) results_.push_back(result);
   milliseconds_.add(report.milliseconds);
+  use_.add(report);
   accepted_ += result.accepted;
   learnt_ += report.learnt.size();
   if (csv_.wanted()) write(report, result);
@@ -97,6 +98,7 @@ nlohmann::json LocalizeFigures::toJson() const {
                       {"queries", truth_ ? s.queries : images()},
                       {"accepted", truth_ ? s.accepted : accepted_},
                       {"adapted", learnt_},
+                      {"causes", use_.toJson()},
                       {"ms_per_image", spread(milliseconds_.summary())},
                       {"peak_rss_bytes", peakResidentBytes()}};
   for (const char* key :
@@ -127,7 +129,8 @@ void LocalizeFigures::print(std::ostream& out) const {
   }
   const evaluation::Percentiles ms = milliseconds_.summary();
   out << std::fixed << std::setprecision(1) << "  " << ms.mean << " ms per image (95 %: " << ms.p95
-      << ", max: " << ms.max << ")\n";
+      << ", max: " << ms.max << ")\n"
+      << use_.summary();
 }
 
 }  // namespace engram::apps

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/apps/map_truth.h"
+#include "engram/apps/run_use.h"
 #include "engram/base/line_file.h"
 #include "engram/evaluation/running_percentiles.h"
 #include "engram/evaluation/score.h"
@@ -31,10 +32,11 @@ class LocalizeFigures {
   /// Places that learnt after the last image.
   void addLearnt(std::size_t places) { learnt_ += places; }
   int images() const { return milliseconds_.count(); }
+  const RunUse& use() const { return use_; }
 
   /// Keys: images, queries, answerable, accepted, right, wrong, best_guess_right, within_1_25_places,
-  /// error_places {mean, median, p95, max}, adapted, ms_per_image {mean, median, p95, max}, peak_rss_bytes.
-  /// Verdicts are null without truth.
+  /// error_places {mean, median, p95, max}, adapted, causes {reason: count}, ms_per_image {mean, median, p95,
+  /// max}, peak_rss_bytes. Verdicts are null without truth.
   nlohmann::json toJson() const;
   void print(std::ostream& out) const;
 
@@ -48,6 +50,7 @@ class LocalizeFigures {
   base::LineFile& csv_;
   std::vector<evaluation::LocalisationResult> results_;  // none without truth
   evaluation::RunningPercentiles milliseconds_;
+  RunUse use_;
   int accepted_ = 0;
   std::size_t learnt_ = 0;
 };

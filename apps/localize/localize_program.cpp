@@ -102,6 +102,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     input_.annotate(report);
     if (drive) drive->add(localizer.map(), report);
     if (!drive || !drive->replayed()) stream_.sendLocalised(report, localizer.map());
+    say(eyes_.after(localizer.eyes()), err);
     figures.add(report);
     if (truth) truth->note(report);
     window_.after(*frame, report, localizer.map());
@@ -109,6 +110,8 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
   }
   progress.finish();
+  say(eyes_.after(localizer.eyes(), true), err);
+  figures.use().requireSome();
   if (drive && figures.images() > 0) {
     figures.addLearnt(localizer.finish().size());
     drive->end(localizer.map(), input_.exitCode() == kOk);
@@ -152,9 +155,11 @@ int LocalizeProgram::conclude(const LocalizeFigures& figures, std::ostream& out,
     figures.print(stream_.summaryTo(out, err));
     stream_.summaryTo(out, err) << input_.summary();
   }
-  if (!problem.empty()) err << name() << ": " << problem << "\n";
+  say(problem, err);
   if (base::interrupted()) err << name() << ": interrupted; the results hold every image up to here\n";
-  return stream_.failed() ? kPartial : input_.exitCode();
+  say(figures.use().complaint(), err);
+  const bool sound = figures.use().complaint().empty() && !eyes_.faulty() && !stream_.failed();
+  return sound ? input_.exitCode() : kPartial;
 }
 
 }  // namespace engram::apps

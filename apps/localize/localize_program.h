@@ -34,6 +34,7 @@ class LocalizeProgram : public Program {
   RunInput input_;
   RunStream stream_;
   RunWindow window_;
+  EyeWatch eyes_;
   std::string map_, truth_, csv_, report_, json_;
   double truthRadius_ = 1.0;
   int truthMargin_ = 0;

@@ -3,6 +3,7 @@
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
+#include "engram/base/text.h"
 #include "engram/cameras/rectifier.h"
 #include "engram/odometry/stereo_check.h"
 #include "engram/sources/rawlog_source.h"
@@ -137,7 +138,7 @@ void InfoCommand::print(std::ostream& out, const sources::RawlogSource& source,
   out << path_ << ": " << std::filesystem::file_size(path_) << " bytes\n";
   for (const auto& [name, labels] : stats.objects)
     for (const auto& [label, n] : labels)
-      out << "  " << name << (label.empty() ? "" : " '" + label + "'") << ": " << n << "\n";
+      out << "  " << name << (label.empty() ? "" : " " + base::quoted(label)) << ": " << n << "\n";
   if (images.images > 0) {
     out << "  images: " << images.images;
     for (const auto& [size, n] : images.sizes)
@@ -170,6 +171,7 @@ nlohmann::json InfoCommand::figures(const sources::RawlogStats& stats, const Ima
           {"images_bad_stamp", stats.imagesBadStamp},
           {"odometry", stats.odometry},
           {"odometry_bad", stats.odometryBad},
+          {"odometry_wild", stats.odometryWild},
           {"odometry_bad_stamp", stats.odometryBadStamp},
           {"path_m", stats.pathLength},
           {"first_stamp", stats.firstStamp},

@@ -3,6 +3,7 @@
 #include "engram/apps/checks.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
+#include "engram/base/image_header.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
 #include "engram/base/rng.h"
@@ -167,9 +168,14 @@ void PackCommand::prepare() {
   base::requireWritable(common_.json);
 }
 
+cv::Size sizeOfImage(const std::string& path) {
+  const auto size = base::sizeInHeader(base::readImageBytes(path));
+  return {static_cast<int>(size->width), static_cast<int>(size->height)};
+}
+
 void PackCommand::loadCalibration() {
   cv::Size size;
-  if (camera_.ends_with(".txt")) size = cv::imread(sources::findImages(images_).front()).size();
+  if (camera_.ends_with(".txt")) size = sizeOfImage(sources::findImages(images_).front());
   writer_.stereo = importStereoRig(camera_, size);
   if (!writer_.stereo && cameras::describesStereo(camera_)) writer_.stereo = cameras::loadStereoRig(camera_);
   from_ = writer_.stereo ? writer_.stereo->left : cameras::loadCamera(camera_);

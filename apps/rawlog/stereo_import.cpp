@@ -3,6 +3,7 @@
 #include "stereo_import.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/base/text_file.h"
 #include "engram/cameras/pinhole.h"
 
@@ -40,8 +41,8 @@ cameras::CameraRig readEuroc(const std::string& path) {
   }
   const std::string camera = word(file["camera_model"]), distortion = word(file["distortion_model"]);
   if (camera != "pinhole" || distortion != "radial-tangential")
-    throw base::Error(path + ": camera_model '" + camera + "' with distortion_model '" + distortion +
-                      "'; only pinhole with radial-tangential can be used");
+    throw base::Error(path + ": camera_model " + base::quoted(camera) + " with distortion_model " +
+                      base::quoted(distortion) + "; only pinhole with radial-tangential can be used");
   const auto size = numbers(file["resolution"], 2, path + ": resolution");
   const auto k = numbers(file["intrinsics"], 4, path + ": intrinsics");
   const auto d = numbers(file["distortion_coefficients"], 4, path + ": distortion_coefficients");

@@ -13,6 +13,7 @@ namespace engram::apps {
 void SlamFigures::add(const types::FrameReport& report, const map::TopologicalMap& map,
                       const MapTruth* truth) {
   milliseconds_.add(report.milliseconds);
+  use_.add(report);
   recognised_ += report.outcome == types::Outcome::kRecognised;
   made_ += report.outcome == types::Outcome::kNewPlace;
   refused_ += report.outcome == types::Outcome::kRefused;
@@ -47,6 +48,7 @@ nlohmann::json SlamFigures::toJson(const map::TopologicalMap& map, std::uint64_t
           {"recognised", recognised_},
           {"refused", refused_},
           {"unusable", unusable_},
+          {"causes", use_.toJson()},
           {"places", places},
           {"views", map.views().size()},
           {"edges", map.edges().size()},
@@ -73,7 +75,7 @@ void SlamFigures::print(std::ostream& out, const map::TopologicalMap& map, const
   out << std::fixed << std::setprecision(1) << "\n  " << ms.mean << " ms per image (95 %: " << ms.p95
       << ", max: " << ms.max << ")";
   if (ate_) out << std::setprecision(3) << ", trajectory error " << *ate_ << " m (rms)";
-  out << "\n";
+  out << "\n" << use_.summary();
 }
 
 }  // namespace engram::apps

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/apps/map_truth.h"
+#include "engram/apps/run_use.h"
 #include "engram/evaluation/running_percentiles.h"
 #include "engram/map/topological_map.h"
 #include "engram/types/frame_report.h"
@@ -25,10 +26,12 @@ class SlamFigures {
   void setTrajectoryError(std::optional<double> ate) { ate_ = ate; }
 
   int images() const { return milliseconds_.count(); }
+  const RunUse& use() const { return use_; }
 
-  /// Keys: images, keyframes, unusable, refused, places, views, edges, closures, false_closures (null without
-  /// truth), closure_list [{index, label, place, place_label, right}], ate_m (null without TUM truth),
-  /// map_bytes, bytes_per_place, ms_per_image {mean, median, p95, max}, peak_rss_bytes.
+  /// Keys: images, keyframes, unusable, refused, causes {reason: count}, places, views, edges, closures,
+  /// false_closures (null without truth), closure_list [{index, label, place, place_label, right}], ate_m
+  /// (null without TUM truth), map_bytes, bytes_per_place, ms_per_image {mean, median, p95, max},
+  /// peak_rss_bytes.
   nlohmann::json toJson(const map::TopologicalMap& map, std::uint64_t mapBytes, std::uint64_t peakRss) const;
   void print(std::ostream& out, const map::TopologicalMap& map, const std::string& path,
              std::uint64_t mapBytes) const;
@@ -43,6 +46,7 @@ class SlamFigures {
   };
 
   evaluation::RunningPercentiles milliseconds_;
+  RunUse use_;
   std::vector<Closure> closures_;
   int recognised_ = 0, made_ = 0, refused_ = 0, unusable_ = 0;
   bool hasTruth_ = false;

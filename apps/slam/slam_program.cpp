@@ -101,6 +101,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     if (truth) truth->survey(mapper.map(), report);
     drive.add(mapper.map(), report);
     if (!drive.replayed()) stream_.sendMapped(report, *frame, mapper.map());
+    say(eyes_.after(mapper.eyes()), err);
     figures.add(report, mapper.map(), truth ? &*truth : nullptr);
     window_.after(*frame, report, mapper.map());
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
@@ -110,6 +111,8 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     if (base::interrupted()) return kPartial;
     throw base::Error(input_.problem().empty() ? "no images" : input_.problem());
   }
+  say(eyes_.after(mapper.eyes(), true), err);
+  figures.use().requireSome();
   mapper.finish();
   drive.end(mapper.map(), input_.exitCode() == kOk);
   return conclude(drive.file(), mapper, figures, truth ? &*truth : nullptr, out, err);
@@ -152,9 +155,11 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::MapBuilder& mapp
   }
 
   const std::string problem = input_.problem();
-  if (!problem.empty()) err << name() << ": " << problem << "\n";
+  say(problem, err);
   if (base::interrupted()) err << name() << ": interrupted; the map holds every image up to here\n";
-  return stream_.failed() ? kPartial : input_.exitCode();
+  say(figures.use().complaint(), err);
+  const bool sound = figures.use().complaint().empty() && !eyes_.faulty() && !stream_.failed();
+  return sound ? input_.exitCode() : kPartial;
 }
 
 /// Everything a person may want to open, in one folder.

@@ -38,6 +38,7 @@ class SlamProgram : public Program {
   RunInput input_;
   RunStream stream_;
   RunWindow window_;
+  EyeWatch eyes_;
   std::string map_, report_, truth_, json_;
   double truthRadius_ = 2.0;
   int truthMargin_ = 0;

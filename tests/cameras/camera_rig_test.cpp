@@ -139,6 +139,21 @@ TEST(CameraFiles, MistakesAreNamed) {
   EXPECT_THROW(loadCamera("/nonexistent/cam.ini"), base::ConfigError);
 }
 
+/// A table of rays of 32768 x 32768 pixels took all memory, and for ever.
+TEST(CameraFiles, ImagesOfImpossibleSizeAreRefused) {
+  const auto sized = [](int width, int height) {
+    std::string text = kOmni;
+    text.replace(text.find("width = 64"), 10, "width = " + std::to_string(width));
+    text.replace(text.find("height = 48"), 11, "height = " + std::to_string(height));
+    return message(text);
+  };
+  EXPECT_THAT(sized(32768, 32768), testing::AllOf(testing::HasSubstr("cam.ini: [camera] "),
+                                                  testing::HasSubstr("width x height = 32768x32768"),
+                                                  testing::HasSubstr("67108864")));
+  EXPECT_THAT(sized(32769, 4), testing::AllOf(testing::HasSubstr("[camera] width: 32769 is out of range"),
+                                              testing::HasSubstr("32768]")));
+}
+
 class CameraFilesOnDisk : public testing::Test {
  protected:
   void SetUp() override {

@@ -108,6 +108,11 @@ TEST(StereoFiles, MistakesAreNamed) {
     return message(text);
   };
   EXPECT_THAT(replaced("resolution = [752 480]", "resolution = [752]"), HasSubstr("[width height]"));
+  for (const char* size : {"1e300 480", "0 480", "-752 480", "752.5 480", "752 32769"})
+    EXPECT_THAT(replaced("resolution = [752 480]", std::string("resolution = [") + size + "]"),
+                HasSubstr("whole numbers of 1 to 32768"))
+        << size;
+  EXPECT_THAT(replaced("resolution = [752 480]", "resolution = [32768 32768]"), HasSubstr("67108864"));
   EXPECT_THAT(replaced("fx = ", "fx = a"), AllOf(HasSubstr("rig.ini:5"), HasSubstr("is not a number")));
   EXPECT_THAT(replaced("plumb_bob", "kannala_brandt"), HasSubstr("'kannala_brandt' is not supported"));
   EXPECT_THAT(replaced("_RIGHT]", "_WRONG]"), HasSubstr("no section [CAMERA_PARAMS_RIGHT]"));

@@ -40,7 +40,9 @@ TEST(OdometryFeed, LeavesOutWhatCannotBe) {
   feed.add(10.1, {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0});
   feed.add(9.0, {5.0, 0.0, 0.0});
   feed.add(10.0, {6.0, 0.0, 0.0});
+  for (const double far : {1.7e308, -1.7e308, 1e154, 1e9}) feed.add(10.2, {far, 0.0, 0.0});
   EXPECT_EQ(feed.readings(), 1u);
+  EXPECT_EQ(feed.leftOut(), 5u);
   for (int i = 0; i < 20; ++i) feed.add(5.0 + 0.1 * i, {9.0, 0.0, 0.0});  // the clock was set back for good
   EXPECT_EQ(feed.at(6.9, 1.0, 0ms)->x, 9.0);
 }

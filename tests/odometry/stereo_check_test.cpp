@@ -12,6 +12,7 @@ namespace engram::odometry {
 namespace {
 
 using namespace testing_world;
+using testing::AllOf;
 using testing::HasSubstr;
 
 /// Round a bend, as a robot at 10 Hz sees it.
@@ -86,6 +87,57 @@ TEST(StereoCheck, EyesOutOfStepByAFrame) {
   EXPECT_EQ(isLate.fault, StereoFault::kRightLate);
   EXPECT_EQ(isEarly.fault, StereoFault::kRightEarly);
   EXPECT_THAT(describe(isLate), HasSubstr("out of step"));
+}
+
+/// The right images of a calibration that is wrong by `rows` [px]: all of them higher (lower, when negative).
+std::vector<types::StereoPair> lifted(std::vector<types::StereoPair> pairs, int rows) {
+  for (auto& pair : pairs) {
+    cv::Mat moved(pair.right.size(), CV_8U, cv::Scalar(0));
+    const int up = std::max(0, rows), down = std::max(0, -rows), left = pair.right.rows - std::abs(rows);
+    pair.right.rowRange(up, up + left).copyTo(moved.rowRange(down, down + left));
+    pair.right = moved;
+  }
+  return pairs;
+}
+
+std::vector<types::StereoPair> rightOneLate(const std::vector<types::StereoPair>& pairs) {
+  std::vector<types::StereoPair> late;
+  for (std::size_t i = 1; i < pairs.size(); ++i) late.push_back({pairs[i].left, pairs[i - 1].right});
+  return late;
+}
+
+TEST(StereoCheck, AnOffsetOfAllRowsIsNotTakenForAnotherTime) {
+  for (const int rows : {-6, -3, -2, 2, 3, 6}) {
+    const auto health = check(lifted(sound().pairs, rows));
+    EXPECT_EQ(health.fault, StereoFault::kRows) << rows << ": " << describe(health);
+    EXPECT_NEAR(health.rowOffset, rows, 0.51);
+    EXPECT_GT(health.together.share(), 0.8) << rows;
+    EXPECT_THAT(describe(health),
+                AllOf(HasSubstr("not rectified"), HasSubstr(rows > 0 ? "higher" : "lower")));
+  }
+}
+
+TEST(StereoCheck, EyesOutOfStepAreFoundUnderAnOffsetOfAllRows) {
+  for (const int rows : {-3, 0, 3}) {
+    const auto health = check(lifted(rightOneLate(sound().pairs), rows));
+    EXPECT_EQ(health.fault, StereoFault::kRightLate) << rows << ": " << describe(health);
+    EXPECT_NEAR(health.rowOffset, rows, 0.51);
+    EXPECT_EQ(describe(health).find("Besides") != std::string::npos, rows != 0) << describe(health);
+  }
+}
+
+TEST(StereoCheck, SwappedEyesAreFoundUnderAnOffsetOfAllRows) {
+  auto pairs = lifted(sound().pairs, 3);
+  for (auto& pair : pairs) std::swap(pair.left, pair.right);
+  EXPECT_EQ(check(pairs).fault, StereoFault::kSwapped);
+}
+
+/// Less than odometry notices.
+TEST(StereoCheck, OneRowIsNoFault) {
+  for (const int rows : {-1, 1}) {
+    const auto health = check(lifted(sound().pairs, rows));
+    EXPECT_TRUE(health.ok()) << rows << ": " << describe(health);
+  }
 }
 
 TEST(StereoCheck, ACoveredEye) {

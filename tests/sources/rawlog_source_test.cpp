@@ -8,6 +8,7 @@
 #include "rawlog_fixture.h"
 
 #include <gmock/gmock.h>
+#include <mrpt/obs/CObservation.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include <limits>
@@ -257,6 +258,22 @@ TEST(RawlogSource, AWildStampIsNamedAsWhatItIs) {
   EXPECT_EQ(readFrames(*source).size(), 4u);
   EXPECT_THAT(source->problem(), HasSubstr("1 image left out: the stamp leaps ahead by more than a year"));
   EXPECT_THAT(source->problem(), ::testing::Not(HasSubstr("goes back")));
+}
+
+/// Every count of 100 ns since 1601 is a time: none overflows.
+TEST(RawlogSource, StampsAtTheEndsOfTheirRange) {
+  const TempFolder folder;
+  const std::uint64_t kLast = std::numeric_limits<std::uint64_t>::max();
+  for (const std::uint64_t ticks : {std::uint64_t{1}, kLast / 2 + 1, kLast - 1, kLast}) {
+    auto image = imageObject(kStart, picture(0));
+    std::dynamic_pointer_cast<mrpt::obs::CObservation>(image)->timestamp =
+        mrpt::Clock::time_point(mrpt::Clock::duration(static_cast<std::int64_t>(ticks)));
+    writeWithMrpt(folder.path("a.rawlog"), {image}, true);
+    auto source = openRawlog(folder.path("a.rawlog"));
+    const auto frames = readFrames(*source);
+    ASSERT_EQ(frames.size(), 1u);
+    EXPECT_NEAR(frames[0].stamp / (static_cast<double>(ticks) * 1e-7 - 11644473600.0), 1, 1e-9) << ticks;
+  }
 }
 
 TEST(RawlogSource, LookAheadIsBounded) {

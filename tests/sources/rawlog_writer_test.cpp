@@ -329,6 +329,23 @@ TEST(RawlogWriter, FullDiskIsReported) {
   }
 }
 
+/// An overflow of the count of 100 ns since 1601.
+TEST(RawlogWriter, StampsThatNoRawlogCanHoldAreErrors) {
+  const TempFolder folder;
+  RawlogWriter writer(folder.path("a.rawlog"));
+  for (const double stamp : {1e300, -1e300, 1e12, -1.2e10, static_cast<double>(NAN)}) {
+    types::Frame frame = makeFrame(1);
+    frame.stamp = stamp;
+    EXPECT_THROW(writer.add(frame), base::Error) << stamp;
+  }
+  types::Frame first = makeFrame(1), last = makeFrame(2);
+  first.stamp = -1.16e10, last.stamp = 8.4e11;
+  EXPECT_NEAR(writer.addReplayable(first).stamp, first.stamp, 1e-5);
+  EXPECT_NEAR(writer.addReplayable(last).stamp, last.stamp, 1e-4);
+  writer.close();
+  EXPECT_EQ(writer.frames(), 2u);
+}
+
 TEST(RawlogWriter, FrameWithoutImageIsAnError) {
   const TempFolder folder;
   RawlogWriter writer(folder.path("a.rawlog"));

@@ -99,6 +99,10 @@ int runProgram(Program& program, int argc, const char* const* argv) {
   }
 }
 
+void Program::say(const std::string& message, std::ostream& err) const {
+  if (!message.empty()) err << name() << ": " << message << "\n" << std::flush;
+}
+
 std::string CommandProgram::examples() const {
   std::string text;
   for (const auto& command : commands_) text += command->examples();

@@ -3,6 +3,7 @@
 #include "engram/base/config.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/base/text_file.h"
 
 #include <algorithm>
@@ -57,6 +58,7 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
   std::string best;
   std::size_t bestDistance = std::max<std::size_t>(2, name.size() / 3) + 1;
   for (const auto& candidate : known) {
+    if (name.size() >= candidate.size() + bestDistance) continue;  // spares the work for a huge name
     const std::size_t distance = editDistance(name, candidate);
     if (distance < bestDistance) {
       bestDistance = distance;
@@ -86,17 +88,20 @@ IniFile IniFile::parse(const std::string& text, const std::string& name) {
     const std::string content = trim(withoutComment(line));
     if (content.empty()) continue;
     if (content.front() == '[') {
-      if (content.back() != ']') fail(origin, "'" + content + "' lacks the closing ']'");
+      if (content.back() != ']') fail(origin, base::quoted(content) + " lacks the closing ']'");
       section = trim(content.substr(1, content.size() - 2));
       ini.sections_[section];
       continue;
     }
     const auto equals = content.find('=');
-    if (equals == std::string::npos) fail(origin, "'" + content + "' is neither [section] nor key = value");
+    if (equals == std::string::npos)
+      fail(origin, base::quoted(content) + " is neither [section] nor key = value");
     if (section.empty()) fail(origin, "a key before the first [section]");
     const std::string key = trim(content.substr(0, equals));
     const auto [at, isNew] = ini.sections_[section].insert({key, {trim(content.substr(equals + 1)), origin}});
-    if (!isNew) fail(origin, "[" + section + "] " + key + " was set before, at " + at->second.origin);
+    if (!isNew)
+      fail(origin, std::string("[") + printable(section) + "] " + printable(key) + " was set before, at " +
+                       at->second.origin);
   }
   return ini;
 }
@@ -105,7 +110,7 @@ void IniFile::override(const std::string& assignment) {
   const auto equals = assignment.find('=');
   const auto dot = assignment.find('.');
   if (equals == std::string::npos || dot == std::string::npos || dot > equals)
-    throw ConfigError("--set '" + assignment + "': expected section.key=value");
+    throw ConfigError("--set " + base::quoted(assignment) + ": expected section.key=value");
   const std::string section = trim(assignment.substr(0, dot));
   const std::string key = trim(assignment.substr(dot + 1, equals - dot - 1));
   sections_[section][key] = {trim(assignment.substr(equals + 1)), "--set"};
@@ -135,13 +140,14 @@ void Config::read(const IniFile& ini) {
                                     [&, &wanted = sectionName](const Bound& b) { return b.name == wanted; });
     if (bound == sections_.end()) {
       const std::string origin = section.empty() ? ini.name() : section.begin()->second.origin;
-      fail(origin, "unknown section [" + sectionName + "]" + hint(nearestName(sectionName, sectionNames)));
+      fail(origin,
+           "unknown section [" + printable(sectionName) + "]" + hint(nearestName(sectionName, sectionNames)));
     }
     std::vector<std::string> keys;
     for (const auto& field : bound->params.fields()) keys.push_back(field.key);
     for (const auto& [key, value] : section) {
       const auto at = std::find(keys.begin(), keys.end(), key);
-      const std::string where = "[" + sectionName + "] " + key;
+      const std::string where = "[" + sectionName + "] " + printable(key);
       if (at == keys.end()) fail(value.origin, where + ": unknown key" + hint(nearestName(key, keys)));
       const auto& field = bound->params.fields()[static_cast<std::size_t>(at - keys.begin())];
       try {

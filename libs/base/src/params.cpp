@@ -3,6 +3,7 @@
 #include "engram/base/params.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -26,7 +27,7 @@ T parseNumber(const std::string& text, const char* kind) {
   if (last - first > 1 && *first == '+' && first[1] != '-') ++first;
   const auto [end, status] = std::from_chars(first, last, value);
   if (status != std::errc() || end != last || !std::isfinite(static_cast<double>(value)))
-    throw ConfigError("'" + text + "' is not " + kind);
+    throw ConfigError(base::quoted(text) + " is not " + kind);
   return value;
 }
 
@@ -72,7 +73,7 @@ void Params::add(const std::string& key, bool& value, const std::string& help) {
   const auto parse = [v](const std::string& s) {
     if (s == "true" || s == "yes" || s == "1") return void(*v = true);
     if (s == "false" || s == "no" || s == "0") return void(*v = false);
-    throw ConfigError("'" + s + "' is neither true nor false");
+    throw ConfigError(base::quoted(s) + " is neither true nor false");
   };
   fields_.push_back({key, help, parse, [v] { return std::string(*v ? "true" : "false"); }, [] {}});
 }
@@ -98,7 +99,7 @@ void Params::addChoice(const std::string& key, std::string& value, const std::st
   std::string* v = &value;
   const auto check = [v, names, list] {
     if (std::find(names.begin(), names.end(), *v) == names.end())
-      throw ConfigError("'" + *v + "' is not one of " + list);
+      throw ConfigError(base::quoted(*v) + " is not one of " + list);
   };
   fields_.push_back(
       {key, help + " (" + list + ")", [v](const std::string& s) { *v = s; }, [v] { return *v; }, check});

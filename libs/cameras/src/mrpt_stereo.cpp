@@ -3,6 +3,8 @@
 #include "mrpt_stereo.h"
 
 #include "engram/base/error.h"
+#include "engram/base/image_header.h"
+#include "engram/base/text.h"
 #include "engram/cameras/pinhole.h"
 #include "rig_text.h"
 
@@ -48,7 +50,7 @@ class Section {
       double number = 0;
       const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), number);
       if (status != std::errc() || end != word.data() + word.size() || !std::isfinite(number))
-        refuse(key, "'" + word + "' is not a number");
+        refuse(key, base::quoted(word) + " is not a number");
       numbers.push_back(number);
     }
     return numbers;
@@ -73,7 +75,7 @@ void readDistortion(const Section& section, ImagePlaneParams& plane) {
   const std::string name = model ? model->text : section.find("dist") ? "plumb_bob" : "none";
   if (name == "none") return;
   if (name != "plumb_bob")
-    section.refuse("distortion_model", "'" + name + "' is not supported; use plumb_bob or none");
+    section.refuse("distortion_model", base::quoted(name) + " is not supported; use plumb_bob or none");
   const auto dist = section.numbers("dist");
   if (dist.size() != 4 && dist.size() != 5 && dist.size() != 8)
     section.refuse("dist", "expected [k1 k2 p1 p2 k3]");
@@ -87,6 +89,9 @@ void readDistortion(const Section& section, ImagePlaneParams& plane) {
 CameraRig readCamera(const Section& section) {
   const auto resolution = section.numbers("resolution");
   if (resolution.size() != 2) section.refuse("resolution", "expected [width height]");
+  const auto whole = [](double n) { return n == std::floor(n) && n >= 1 && n <= base::kMaxImageSide; };
+  if (!whole(resolution[0]) || !whole(resolution[1]))
+    section.refuse("resolution", "expected whole numbers of 1 to " + std::to_string(base::kMaxImageSide));
   const cv::Size size(static_cast<int>(resolution[0]), static_cast<int>(resolution[1]));
   ImagePlaneParams plane;
   plane.fx = section.number("fx"), plane.fy = section.number("fy");

@@ -3,6 +3,8 @@
 #include "rig_text.h"
 
 #include "engram/base/error.h"
+#include "engram/base/image_header.h"
+#include "engram/base/text.h"
 #include "engram/base/text_file.h"
 #include "engram/cameras/equirectangular.h"
 #include "engram/cameras/pinhole.h"
@@ -20,7 +22,6 @@ namespace engram::cameras {
 namespace {
 
 const std::vector<std::string> kModels{"unified_sphere", "pinhole", "equirectangular"};
-constexpr int kMaxPixels = 32768;  // a side
 
 struct MaskText {
   const std::string& model;
@@ -56,8 +57,8 @@ std::string readModel(const base::IniFile& ini, const std::string& name) {
   const std::string key = "[" + name + "] model";
   if (at == section.end()) fail(ini.name(), key + " is missing: unified_sphere, pinhole or equirectangular");
   if (std::find(kModels.begin(), kModels.end(), at->second.text) == kModels.end())
-    fail(at->second.origin,
-         key + ": '" + at->second.text + "' is not one of unified_sphere, pinhole, equirectangular");
+    fail(at->second.origin, key + ": " + base::quoted(at->second.text) +
+                                " is not one of unified_sphere, pinhole, equirectangular");
   return at->second.text;
 }
 
@@ -94,6 +95,17 @@ ImagePlaneParams planeOf(const Camera& camera) {
   return {};
 }
 
+cv::Mat readMask(const std::string& path, const std::string& origin) {
+  cv::Mat image;
+  try {
+    image = cv::imdecode(base::readImageBytes(path), cv::IMREAD_GRAYSCALE);
+  } catch (const base::Error& e) {
+    fail(origin, e.what());
+  }
+  if (image.empty()) fail(origin, base::quoted(path) + " is not an image that can be read");
+  return image;
+}
+
 cv::Mat drawMask(const Camera& camera, const MaskParams& p, const std::string& name,
                  const std::string& section) {
   const cv::Size size = camera.imageSize();
@@ -108,11 +120,9 @@ cv::Mat drawMask(const Camera& camera, const MaskParams& p, const std::string& n
     }
   if (p.file.empty()) return mask;
   const auto path = (std::filesystem::path(name).parent_path() / p.file).string();
-  // Asked first because OpenCV prints a warning about a missing file.
-  const cv::Mat image = std::filesystem::exists(path) ? cv::imread(path, cv::IMREAD_GRAYSCALE) : cv::Mat();
-  if (image.empty()) fail(name, section + " file: '" + path + "' is not an image that can be read");
+  const cv::Mat image = readMask(path, name + ": " + section + " file");
   if (image.size() != size)
-    fail(name, section + " file: '" + path + "' has " + std::to_string(image.cols) + "x" +
+    fail(name, section + " file: " + base::quoted(path) + " has " + std::to_string(image.cols) + "x" +
                    std::to_string(image.rows) + " pixels, the camera " + std::to_string(size.width) + "x" +
                    std::to_string(size.height));
   mask.setTo(0, image == 0);
@@ -159,8 +169,8 @@ MountParams MountParams::of(const Eigen::Isometry3d& T) {
 
 void CalibrationText::describe(base::Params& p) {
   p.addChoice("model", model, "camera model", kModels);
-  p.add("width", width, "image width [px]", {1, kMaxPixels});
-  p.add("height", height, "image height [px]", {1, kMaxPixels});
+  p.add("width", width, "image width [px]", {1, base::kMaxImageSide});
+  p.add("height", height, "image height [px]", {1, base::kMaxImageSide});
   if (model == "equirectangular") return;
   if (model == "unified_sphere") p.add("xi", xi, "mirror parameter of the unified sphere model", {0, 100});
   if (model == "pinhole" && reading)
@@ -241,10 +251,8 @@ std::string readCalibrationFile(const std::string& path) {
 }
 
 void checkSize(cv::Size size) {
-  if (size.width < 1 || size.height < 1 || size.width > kMaxPixels || size.height > kMaxPixels)
-    throw base::Error("camera: an image of " + std::to_string(size.width) + "x" +
-                      std::to_string(size.height) + " pixels; each side must be in [1, " +
-                      std::to_string(kMaxPixels) + "]");
+  if (!base::plausibleSize(size.width, size.height))
+    throw base::Error("camera: width x height = " + base::sizeRefusal(size.width, size.height));
 }
 
 cv::Size scaledSize(cv::Size size, double factorX, double factorY) {

@@ -55,7 +55,9 @@ class LiveSource::Impl {
 
   std::string failure() const { return grabber_->failure(); }
 
-  LiveStats stats() const { return {grabber_->stats(), queue_.counters(), queue_.size(), withoutOdometry_}; }
+  LiveStats stats() const {
+    return {grabber_->stats(), queue_.counters(), queue_.size(), withoutOdometry_, feed_.leftOut()};
+  }
 
   std::vector<std::string> takeNotices() {
     auto notices = grabber_->takeNotices();
@@ -118,6 +120,9 @@ std::string LiveSource::problem() const {
     const std::string advice = adviceOnLoss(s.grab);
     if (!advice.empty()) add(advice);
   }
+  if (s.odometryLeftOut > 0)
+    add(base::counted(s.odometryLeftOut, "odometry reading") +
+        " left out: not a number, or further than 20000 km");
   return text;
 }
 

@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/capture/odometry_feed.h"
 
+#include "engram/sources/odometry_gate.h"
+
 #include <cmath>
 
 namespace engram::capture {
 
 void OdometryFeed::add(double stamp, const sources::Pose2& pose) {
-  if (!std::isfinite(pose.x + pose.y + pose.yaw)) return;
   const std::lock_guard lock(mutex_);
+  if (std::isnan(stamp) || sources::judgePose(pose) != sources::PoseVerdict::kPass) return void(++leftOut_);
   switch (gate_.check(stamp)) {
     case sources::StampGate::Verdict::kPass:
       break;
@@ -28,6 +30,11 @@ std::optional<sources::Pose2> OdometryFeed::at(double stamp, double hold,
   std::unique_lock lock(mutex_);
   added_.wait_for(lock, patience, [&] { return track_.covers(stamp); });
   return track_.at(stamp, hold);
+}
+
+std::size_t OdometryFeed::leftOut() const {
+  const std::lock_guard lock(mutex_);
+  return leftOut_;
 }
 
 std::size_t OdometryFeed::readings() const {

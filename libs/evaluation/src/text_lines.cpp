@@ -3,6 +3,7 @@
 #include "text_lines.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/base/text_file.h"
 
 #include <charconv>
@@ -56,14 +57,14 @@ std::vector<std::string> splitFields(const std::string& text, char separator) {
 
 std::int64_t parseInteger(const std::string& field, const std::string& origin, const std::string& what) {
   std::int64_t value = 0;
-  if (!parseWhole(field, value)) refuse(origin, what + " '" + field + "' is not a whole number");
+  if (!parseWhole(field, value)) refuse(origin, what + " " + base::quoted(field) + " is not a whole number");
   return value;
 }
 
 double parseReal(const std::string& field, const std::string& origin, const std::string& what) {
   double value = 0;
   if (!parseWhole(field, value) || !std::isfinite(value))
-    refuse(origin, what + " '" + field + "' is not a number");
+    refuse(origin, what + " " + base::quoted(field) + " is not a number");
   return value;
 }
 

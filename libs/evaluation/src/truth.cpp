@@ -3,6 +3,7 @@
 #include "engram/evaluation/truth.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/base/text_file.h"
 #include "text_lines.h"
 
@@ -85,10 +86,9 @@ Truth Truth::parse(const std::string& text, const std::string& name, const Truth
   if (lines.empty()) refuse(name, "is empty");
   const auto kind = kindOf(lines.front().text);
   if (!kind)
-    refuse(lines.front().origin,
-           "'" + lines.front().text.substr(0, 80) +
-               "' is no known form of truth; known are the headers query,first,last and "
-               "image,matches and a,b[,source], and TUM poses (8 numbers a line)");
+    refuse(lines.front().origin, base::quoted(lines.front().text) +
+                                     " is no known form of truth; known are the headers query,first,last and "
+                                     "image,matches and a,b[,source], and TUM poses (8 numbers a line)");
   Truth truth;
   truth.kind_ = *kind;
   truth.name_ = name;
@@ -109,7 +109,7 @@ Truth Truth::parse(const std::string& text, const std::string& name, const Truth
 
 void Truth::addRange(const std::string& text, const std::string& origin) {
   const auto fields = splitFields(text, ',');
-  if (fields.size() != 3) refuse(origin, "expected query,first,last, found '" + text + "'");
+  if (fields.size() != 3) refuse(origin, "expected query,first,last, found " + base::quoted(text));
   const auto query = parseInteger(fields[0], origin, "query");
   const auto first = parseInteger(fields[1], origin, "first");
   const auto last = parseInteger(fields[2], origin, "last");
@@ -117,12 +117,12 @@ void Truth::addRange(const std::string& text, const std::string& origin) {
   if (last < first) refuse(origin, "the last reference lies before the first");
   keys_.insert(query);
   if (!ranges_.insert({query, {first, last}}).second)
-    refuse(origin, "query " + fields[0] + " has a line already");
+    refuse(origin, "query " + base::printable(fields[0]) + " has a line already");
 }
 
 void Truth::addMatches(const std::string& text, const std::string& origin) {
   const auto fields = splitFields(text, ',');
-  if (fields.size() != 2) refuse(origin, "expected image,matches, found '" + text + "'");
+  if (fields.size() != 2) refuse(origin, "expected image,matches, found " + base::quoted(text));
   const auto image = parseInteger(fields[0], origin, "image");
   keys_.insert(image);
   for (const auto& field : splitFields(fields[1], ' ')) {
@@ -136,7 +136,7 @@ void Truth::addMatches(const std::string& text, const std::string& origin) {
 void Truth::addLink(const std::string& text, const std::string& origin) {
   const auto fields = splitFields(text, ',');
   if (fields.size() != 2 && fields.size() != 3)
-    refuse(origin, "expected a,b or a,b,source, found '" + text + "'");
+    refuse(origin, "expected a,b or a,b,source, found " + base::quoted(text));
   const auto a = parseInteger(fields[0], origin, "a");
   const auto b = parseInteger(fields[1], origin, "b");
   keys_.insert({a, b});

@@ -5,6 +5,7 @@
 #include "patch_matcher.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -13,22 +14,74 @@ namespace engram::odometry {
 namespace {
 
 constexpr int kCorners = 250;
-constexpr int kBlank = 20;           // patches from which an eye shows something; the other must show …
-constexpr int kFactor = 4;           // … so many times more for this one to count as blank
-constexpr float kRows = 24;          // [px] to search up and down
-constexpr float kSameRow = 1.5f;     // [px]: corners are found to one pixel
-constexpr float kNoise = 0.75f;      // [px] by which a disparity may be negative
-constexpr int kEnough = 100;         // matches from which a verdict is possible
-constexpr double kGood = 0.8;        // share in agreement that a sound camera reaches
-constexpr double kClearly = 0.07;    // difference of shares that tells two readings apart
-constexpr std::size_t kKept = 4096;  // row errors remembered
+constexpr int kBlank = 20;         // patches from which an eye shows something; the other must show …
+constexpr int kFactor = 4;         // … so many times more for this one to count as blank
+constexpr float kRows = 24;        // [px] to search up and down
+constexpr float kSameRow = 1.5f;   // [px]: corners are found to one pixel
+constexpr float kNoise = 0.75f;    // [px] by which a disparity may be negative
+constexpr int kEnough = 100;       // matches from which a verdict is possible
+constexpr double kGood = 0.8;      // share in agreement that a sound camera reaches
+constexpr double kMost = 0.5;      // share in agreement without which a reading explains nothing
+constexpr double kClearly = 0.07;  // difference of shares that tells two readings apart
+constexpr double kLevel = 1.25;    // [px] by which all rows may be off: odometry still finds its points
 
-void count(const std::vector<Shift>& shifts, RowAgreement& to, float sign = 1) {
-  to.matches += static_cast<int>(shifts.size());
-  to.agree += static_cast<int>(std::count_if(shifts.begin(), shifts.end(), [sign](const Shift& s) {
-    return std::abs(s.up) <= kSameRow && sign * s.left >= -kNoise;
-  }));
-}
+/// The row differences of matches, by quarters of a pixel: how many lie together, wherever that is. Eyes that
+/// are level to each other have them at 0; a constant offset must not be taken for images of another time.
+class Rows {
+ public:
+  void add(const std::vector<Shift>& shifts) {
+    for (const auto& s : shifts) {
+      const auto bin =
+          static_cast<std::size_t>(std::lround((std::clamp(s.up, -kRows, kRows) + kRows) * kSteps));
+      ++all_[bin];
+      if (s.left >= -kNoise) ++right_[bin];
+      if (s.left <= kNoise) ++swapped_[bin];
+      ++matches_;
+    }
+  }
+  int matches() const { return matches_; }
+  /// Median of the differences [px]; 0 without matches.
+  double offset() const {
+    if (matches_ == 0) return 0;
+    int below = 0;
+    std::size_t bin = 0;
+    while (2 * (below += all_[bin]) < matches_) ++bin;
+    return static_cast<double>(bin) / kSteps - kRows;
+  }
+  /// Median of their sizes [px]; 0 without matches.
+  double error() const {
+    if (matches_ == 0) return 0;
+    int within = all_[kZero];
+    std::size_t away = 0;
+    while (2 * within < matches_) {
+      ++away;
+      within += all_[kZero - away] + all_[kZero + away];
+    }
+    return static_cast<double>(away) / kSteps;
+  }
+  /// Matches in one row but for an offset [px], at a disparity that is possible.
+  RowAgreement about(double offset) const { return {matches_, near(right_, offset)}; }
+  /// The same, with left and right exchanged.
+  RowAgreement swappedAbout(double offset) const { return {matches_, near(swapped_, offset)}; }
+
+ private:
+  static constexpr int kSteps = 4;  // in a pixel
+  static constexpr std::size_t kZero = static_cast<std::size_t>(kRows) * kSteps;
+  using Bins = std::array<int, 2 * kZero + 1>;
+
+  static int near(const Bins& bins, double offset) {
+    const auto centre = static_cast<std::ptrdiff_t>(kZero) + std::lround(offset * kSteps);
+    const auto reach = static_cast<std::ptrdiff_t>(kSameRow * kSteps);
+    int sum = 0;
+    for (auto bin = std::max<std::ptrdiff_t>(0, centre - reach);
+         bin <= std::min(centre + reach, std::ssize(bins) - 1); ++bin)
+      sum += bins[static_cast<std::size_t>(bin)];
+    return sum;
+  }
+
+  Bins all_{}, right_{}, swapped_{};
+  int matches_ = 0;
+};
 
 }  // namespace
 
@@ -48,13 +101,16 @@ class StereoCheck::Impl {
 
   StereoHealth health() const {
     StereoHealth out = health_;
-    std::vector<float> errors = rowErrors_;
-    if (!errors.empty()) {
-      const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-      std::nth_element(errors.begin(), middle, errors.end());
-      out.rowError = *middle;
-    }
+    out.rowError = together_.error();
+    out.rowOffset = together_.offset();
+    out.level = together_.about(0);
+    out.together = together_.about(out.rowOffset);
+    out.swapped = together_.swappedAbout(out.rowOffset);
+    out.late = late_.about(late_.offset());
+    out.early = early_.about(early_.offset());
     out.fault = verdict(out);
+    if (out.fault == StereoFault::kRightLate) out.rowOffset = late_.offset();
+    if (out.fault == StereoFault::kRightEarly) out.rowOffset = early_.offset();
     return out;
   }
 
@@ -71,7 +127,7 @@ class StereoCheck::Impl {
   int every_, frame_ = 0;
   std::optional<Eyes> before_;
   StereoHealth health_;
-  std::vector<float> rowErrors_;
+  Rows together_, late_, early_;
 };
 
 /// Compares the eyes of one frame; none when one of them is blank.
@@ -86,17 +142,14 @@ std::optional<StereoCheck::Impl::Eyes> StereoCheck::Impl::look(const types::Ster
   health_.rightBlank += rightBlank;
   if (leftBlank || rightBlank) return std::nullopt;
   const auto shifts = matchPatches(eyes.left, eyes.right, eyes.columns, kRows);
-  count(shifts, health_.together);
-  count(shifts, health_.swapped, -1);
+  together_.add(shifts);
   for (const auto& shift : shifts) health_.negative += shift.left < -kNoise;
-  for (const auto& shift : shifts)
-    if (rowErrors_.size() < kKept) rowErrors_.push_back(std::abs(shift.up));
   return eyes;
 }
 
 void StereoCheck::Impl::compareTimes(const Eyes& before, const Eyes& now) {
-  count(matchPatches(before.left, now.right, now.columns, kRows), health_.late);
-  count(matchPatches(now.left, before.right, now.columns, kRows), health_.early);
+  late_.add(matchPatches(before.left, now.right, now.columns, kRows));
+  early_.add(matchPatches(now.left, before.right, now.columns, kRows));
 }
 
 StereoFault StereoCheck::Impl::verdict(const StereoHealth& h) {
@@ -107,61 +160,96 @@ StereoFault StereoCheck::Impl::verdict(const StereoHealth& h) {
   const auto clearly = [share](const RowAgreement& other) {
     // Both shares are of samples; four of their deviations.
     const double noise = 4 * std::sqrt(0.25 / std::max(1, other.matches));
-    return other.matches >= kEnough && other.share() > share + std::max(kClearly, noise);
+    return other.matches >= kEnough && other.share() >= kMost &&
+           other.share() > share + std::max(kClearly, noise);
   };
   if (clearly(h.swapped)) return StereoFault::kSwapped;
   if (clearly(h.late) && h.late.share() > h.early.share()) return StereoFault::kRightLate;
   if (clearly(h.early)) return StereoFault::kRightEarly;
-  return share >= kGood ? StereoFault::kNone : StereoFault::kRows;
+  const bool good = h.level.share() >= kGood && std::abs(h.rowOffset) <= kLevel;
+  return good ? StereoFault::kNone : StereoFault::kRows;
 }
 
-std::string describe(const StereoHealth& h) {
-  char text[320] = "";
-  const auto percent = [](const RowAgreement& a) { return 100 * a.share(); };
-  switch (h.fault) {
-    case StereoFault::kNone:
-    case StereoFault::kUnknown:
-      break;
-    case StereoFault::kLeftBlank:
-    case StereoFault::kRightBlank: {
-      const bool left = h.fault == StereoFault::kLeftBlank;
-      std::snprintf(
-          text, sizeof text,
-          "the %s eye shows nothing in %d of %d pairs looked at, while the other one does; is it covered, "
-          "or unplugged?",
-          left ? "left" : "right", left ? h.leftBlank : h.rightBlank, h.pairs);
-      break;
-    }
-    case StereoFault::kSwapped:
-      std::snprintf(
-          text, sizeof text,
-          "left and right are swapped: %.0f %% of %d matches have a negative disparity; exchange the images "
-          "or the two cameras of the calibration",
-          percent(h.swapped), h.swapped.matches);
-      break;
-    case StereoFault::kRightLate:
-    case StereoFault::kRightEarly: {
-      const bool late = h.fault == StereoFault::kRightLate;
-      std::snprintf(
-          text, sizeof text,
-          "the eyes are out of step: right images fit the left ones of the frame %s (%.0f %% of %d matches "
-          "in one row) better than those of their own (%.0f %%); synchronise the cameras or shift the stamps",
-          late ? "before" : "after", percent(late ? h.late : h.early),
-          late ? h.late.matches : h.early.matches, percent(h.together));
-      break;
-    }
-    case StereoFault::kRows:
-      std::snprintf(
-          text, sizeof text,
-          "the images are not rectified by this calibration: only %.0f %% of %d matches are in one row, the "
-          "median is %.1f px apart; %s",
-          percent(h.together), h.together.matches, h.rowError,
-          2 * h.negative > h.together.matches
+namespace {
+
+template <class... Values>
+std::string printed(const char* format, Values... values) {
+  char text[400];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+double percent(const RowAgreement& a) { return 100 * a.share(); }
+
+/// "3.0 px higher"; empty where the rows are level.
+std::string offsetText(double offset) {
+  if (std::abs(offset) <= kLevel) return {};
+  return printed("%.1f px %s", std::abs(offset), offset > 0 ? "higher" : "lower");
+}
+
+std::string blankText(const StereoHealth& h) {
+  const bool left = h.fault == StereoFault::kLeftBlank;
+  return printed(
+      "the %s eye shows nothing in %d of %d pairs looked at, while the other one does; is it covered, or "
+      "unplugged?",
+      left ? "left" : "right", left ? h.leftBlank : h.rightBlank, h.pairs);
+}
+
+std::string swappedText(const StereoHealth& h) {
+  return printed(
+      "left and right are swapped: %.0f %% of %d matches have a negative disparity; exchange the images or "
+      "the two cameras of the calibration",
+      percent(h.swapped), h.swapped.matches);
+}
+
+std::string stepText(const StereoHealth& h) {
+  const bool late = h.fault == StereoFault::kRightLate;
+  const RowAgreement& fits = late ? h.late : h.early;
+  const std::string offset = offsetText(h.rowOffset);
+  return printed(
+             "the eyes are out of step: right images fit the left ones of the frame %s (%.0f %% of %d "
+             "matches "
+             "in one row) better than those of their own (%.0f %%); synchronise the cameras or shift the "
+             "stamps",
+             late ? "before" : "after", percent(fits), fits.matches, percent(h.together)) +
+         (offset.empty() ? "" : ". Besides, all of the right image lies " + offset + ": calibrate again");
+}
+
+std::string rowsText(const StereoHealth& h) {
+  const std::string fault = "the images are not rectified by this calibration: ";
+  const std::string offset = offsetText(h.rowOffset);
+  if (!offset.empty() && h.together.share() >= kGood)
+    return fault + printed(
+                       "all of the right image lies %s than the left one (%.0f %% of %d matches agree); "
+                       "calibrate again",
+                       offset.c_str(), percent(h.together), h.together.matches);
+  return fault +
+         printed("only %.0f %% of %d matches are in one row, the median is %.1f px apart; ", percent(h.level),
+                 h.level.matches, h.rowError) +
+         (2 * h.negative > h.together.matches
               ? "most disparities are negative: are left and right swapped?"
               : "calibrate again, or give the calibration of the images as they are");
-      break;
+}
+
+}  // namespace
+
+std::string describe(const StereoHealth& health) {
+  switch (health.fault) {
+    case StereoFault::kNone:
+    case StereoFault::kUnknown:
+      return {};
+    case StereoFault::kLeftBlank:
+    case StereoFault::kRightBlank:
+      return blankText(health);
+    case StereoFault::kSwapped:
+      return swappedText(health);
+    case StereoFault::kRightLate:
+    case StereoFault::kRightEarly:
+      return stepText(health);
+    case StereoFault::kRows:
+      return rowsText(health);
   }
-  return text;
+  return {};
 }
 
 const char* toString(StereoFault fault) {

@@ -3,6 +3,7 @@
 #include "engram/pipeline/perception.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/odometry/row_matcher.h"
 #include "engram/posegraph/graph.h"
 #include "step_timer.h"
@@ -43,9 +44,9 @@ Perception::Perception(CameraParams camera, const features::ExtractorParams& ext
       calibrated_(!params_.file.empty()) {
   if (params_.stereo) {
     if (params_.file.empty() || !cameras::describesStereo(params_.file))
-      throw base::ConfigError(
-          "[camera] stereo = true needs the calibration of a stereo camera, but file = '" + params_.file +
-          "' describes none; make one with `engram-rawlog calibrate --stereo`");
+      throw base::ConfigError("[camera] stereo = true needs the calibration of a stereo camera, but file = " +
+                              base::quoted(params_.file) +
+                              " describes none; make one with `engram-rawlog calibrate --stereo`");
     if (params_.image_width != 0)
       throw base::ConfigError("[camera] image_width must be 0 with stereo = true");
     setStereoRig(cameras::loadStereoRig(params_.file));
@@ -95,7 +96,7 @@ std::optional<types::Features> Perception::look(const types::Frame& frame, int m
   report.outcome = types::Outcome::kUnusable;
   report.reason = refusal(frame);
   if (!report.reason.empty()) return std::nullopt;
-  types::Features features = stereo_ ? (*this)(rectified(frame)) : (*this)(frame.image);
+  types::Features features = stereo_ ? lookWithBothEyes(frame) : (*this)(frame.image);
   report.features = static_cast<int>(features.size());
   if (report.features >= minFeatures) return features;
   report.reason = "too few features";
@@ -123,6 +124,16 @@ std::string Perception::refusal(const types::Frame& frame) {
     return "the right image is " + sizeText(frame.right.size()) + ", the left one " +
            sizeText(frame.image.size());
   return {};
+}
+
+types::Features Perception::lookWithBothEyes(const types::Frame& frame) {
+  const types::StereoPair pair = rectified(frame);
+  check_.add(pair);
+  return (*this)(pair);
+}
+
+std::optional<odometry::StereoHealth> Perception::eyes() const {
+  return stereo_ ? std::optional(check_.health()) : std::nullopt;
 }
 
 types::StereoPair Perception::rectified(const types::Frame& frame) const {

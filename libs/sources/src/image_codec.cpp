@@ -80,8 +80,11 @@ Decoded decodeJpeg(std::span<const std::uint8_t> bytes) {
 }
 
 Decoded decodeFile(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8) return decodeJpeg(bytes);
-  if (bytes.empty()) return failed("the file is empty");
+  const bool jpeg = bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8;
+  // A JPEG whose frame header is not found goes to libjpeg, which says what is damaged.
+  const bool known = !jpeg || base::sizeInHeader(bytes).has_value();
+  if (const std::string why = known ? base::imageRefusal(bytes) : ""; !why.empty()) return failed(why);
+  if (jpeg) return decodeJpeg(bytes);
   Decoded out;
   try {
     const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::uint8_t*>(bytes.data()));
@@ -120,11 +123,6 @@ Decoded inflate(const EncodedImage& image) {
 }
 
 }  // namespace
-
-bool plausibleSize(std::int64_t width, std::int64_t height) {
-  return width > 0 && height > 0 && width <= kMaxImageSide && height <= kMaxImageSide &&
-         width * height <= kMaxImagePixels;
-}
 
 Decoded readImageFile(const std::string& path) {
   std::error_code status;

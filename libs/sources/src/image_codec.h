@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/base/image_header.h"
+
 #include <opencv2/core/mat.hpp>
 
 #include <cstdint>
@@ -12,9 +14,7 @@
 namespace engram::sources {
 
 /// Larger images are taken for damage: they would need gigabytes.
-inline constexpr int kMaxImageSide = 1 << 15;
-inline constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 26;
-bool plausibleSize(std::int64_t width, std::int64_t height);
+using base::plausibleSize;
 
 /// An image as it lies in a rawlog, not yet decoded: cheap to keep until its odometry is known.
 struct EncodedImage {

@@ -3,6 +3,7 @@
 #include "engram/sources/image_folder_source.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/base/text_file.h"
 #include "image_list.h"
 
@@ -39,7 +40,7 @@ double parseCell(const std::string& text, const std::string& origin, const std::
   double value = 0.0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (status != std::errc() || end != text.data() + text.size())
-    throw base::Error(origin + ": column '" + column + "': '" + text + "' is not a number");
+    throw base::Error(origin + ": column '" + column + "': " + base::quoted(text) + " is not a number");
   return value;
 }
 
@@ -50,8 +51,8 @@ class CsvReader {
     const auto names = splitLine(header);
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (!kKnown.contains(names[i]))
-        throw base::Error(path + ": unknown column '" + names[i] +
-                          "'; known are image, stamp, right, x, y, yaw");
+        throw base::Error(path + ": unknown column " + base::quoted(names[i]) +
+                          "; known are image, stamp, right, x, y, yaw");
       columns_[names[i]] = i;
     }
     if (!columns_.contains("image"))

@@ -3,11 +3,10 @@
 #include "image_list.h"
 
 #include "engram/base/error.h"
+#include "engram/sources/odometry_gate.h"
 #include "engram/sources/rawlog_writer.h"
 #include "image_codec.h"
 #include "stamp_queue.h"
-
-#include <cmath>
 
 namespace engram::sources {
 namespace {
@@ -23,9 +22,7 @@ double stampOf(const std::string& written, StampUnit unit) {
 class Source final : public ImageListSource {
  public:
   Source(std::string name, std::vector<ImageEntry> entries, ImageListNotes notes)
-      : name_(std::move(name)), entries_(std::move(entries)), notes_(std::move(notes)) {
-    for (const auto& entry : entries_) badPoses_ += entry.pose && !isFinite(*entry.pose) ? 1 : 0;
-  }
+      : name_(std::move(name)), entries_(std::move(entries)), notes_(std::move(notes)) {}
 
   std::optional<types::Frame> next() override;
   double progress() const override { return static_cast<double>(at_) / static_cast<double>(entries_.size()); }
@@ -58,7 +55,10 @@ std::optional<types::Frame> Source::read(const ImageEntry& entry) {
   if (frame.image.empty() || (!entry.right.empty() && frame.right.empty())) return std::nullopt;
   frame.stamp = entry.stamp;
   frame.label = entry.label;
-  if (entry.pose && isFinite(*entry.pose)) frame.T_odom_robot = toIsometry(*entry.pose);
+  if (!entry.pose) return frame;
+  const bool good = judgePose(*entry.pose) == PoseVerdict::kPass;
+  badPoses_ += good ? 0 : 1;
+  if (good) frame.T_odom_robot = toIsometry(*entry.pose);
   return frame;
 }
 
@@ -93,7 +93,7 @@ std::string Source::problem() const {
   say(stamps.bad - stamps.leaps, "image(s) left out: the stamp repeats or goes back");
   say(stamps.leaps, "image(s) left out: the stamp leaps ahead by more than a year, and the next ones do not");
   say(impossibleStamps_, "image(s) left out: a rawlog cannot hold the stamp (the years 1601 to 30827)");
-  say(badPoses_, "image(s) with odometry that is not a number");
+  say(badPoses_, "image(s) with odometry that is not a number, or that no robot can have");
   return text.empty() ? text : name_ + ": " + text;
 }
 

@@ -3,6 +3,7 @@
 #include "engram/sources/image_pairs.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/base/text_file.h"
 #include "engram/sources/image_folder_source.h"
 #include "image_list.h"
@@ -56,7 +57,8 @@ std::vector<std::string> readStamps(const std::string& path, std::size_t wanted)
     line.erase(0, line.find_first_not_of(" \t"));
     if (line.empty() || line.front() == '#') continue;
     if (!secondsOf(line, StampUnit::kSeconds))
-      throw base::Error(path + ":" + std::to_string(number) + ": '" + line + "' is not one stamp");
+      throw base::Error(path + ":" + std::to_string(number) + ": " + base::quoted(line) +
+                        " is not one stamp");
     stamps.push_back(line);
   }
   if (stamps.size() != wanted)

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rawlog_calibration.h"
 
+#include "engram/base/image_header.h"
 #include "engram/cameras/pinhole.h"
 
 #include <algorithm>
@@ -115,8 +116,7 @@ RecordedCamera readCamera(Cursor& in) {
   } else if (distortion != kNone) {
     in.fail();
   }
-  const bool calibrated = p.fx > 0 && p.fy > 0 && camera.size.width > 0 && camera.size.height > 0 &&
-                          camera.size.width < 32768 && camera.size.height < 32768;
+  const bool calibrated = p.fx > 0 && p.fy > 0 && base::plausibleSize(camera.size.width, camera.size.height);
   if (!calibrated) in.fail();
   return camera;
 }

@@ -11,7 +11,7 @@
 namespace engram::sources {
 namespace {
 
-std::string named(const std::string& label) { return label.empty() ? "''" : label; }
+std::string named(const std::string& label) { return label.empty() ? "''" : base::printable(label); }
 
 /// "225 observations (CObservation2DRangeScan 225) and 224 actions (CActionRobotMovement2D 224)"
 std::string describeContent(const RawlogStats& stats) {
@@ -92,6 +92,8 @@ std::string describeProblem(const std::string& path, const std::string& damage, 
   say(stats.odometryBad, "odometry reading", "left out: not a number");
   say(stats.odometryBadStamp, "odometry reading",
       "left out: the stamp repeats, goes back, or leaps ahead by more than a year");
+  say(stats.odometryWild, "odometry reading",
+      "left out: no robot is more than 20000 km away, or moves 10 km between two actions");
   say(stats.clockRestarts, "time", "the clock was set back: time starts anew there");
   say(stats.clockLeaps, "time", "the clock leapt ahead by more than a year: time starts anew there");
   std::string text;

@@ -3,6 +3,7 @@
 #include "engram/sources/rawlog_source.h"
 
 #include "engram/base/error.h"
+#include "engram/sources/odometry_gate.h"
 #include "rawlog_parser.h"
 #include "rawlog_problem.h"
 #include "stamp_queue.h"
@@ -22,10 +23,6 @@ std::string imagesFolder(const std::string& path, const RawlogParams& params) {
   if (!params.images_dir.empty()) return params.images_dir;
   const fs::path file(path);
   return (file.parent_path() / (file.stem().string() + "_Images")).string();
-}
-
-bool isFinite(const Pose2& pose) {
-  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
 }
 
 class Source final : public RawlogSource {
@@ -55,6 +52,7 @@ class Source final : public RawlogSource {
   std::string takeName(const ImageRecord& image);
   void noteRefusals();
   bool useKind(Kind kind);
+  bool plausible(PoseVerdict verdict);
   void addSample(double stamp, const Pose2& pose);
   void noteStamp(double stamp);
   bool ready(const ImageRecord& record) const;
@@ -212,19 +210,26 @@ bool Source::useKind(Kind kind) {
   return kind_ == kind;
 }
 
+/// Whether to use a reading; what is left out is counted.
+bool Source::plausible(PoseVerdict verdict) {
+  stats_.odometryBad += verdict == PoseVerdict::kNotFinite;
+  stats_.odometryWild += verdict == PoseVerdict::kWild;
+  return verdict == PoseVerdict::kPass;
+}
+
 void Source::take(const OdometryRecord& record) {
   const bool wanted = params_.odometry_label.empty() || record.label == params_.odometry_label;
   if (wanted && !odometryLabel_) odometryLabel_ = record.label;
   if (!wanted || record.label != *odometryLabel_ || !useKind(Kind::kObservation))
     return void(++stats_.odometryOther);
-  if (!isFinite(record.pose)) return void(++stats_.odometryBad);
   if (std::isnan(record.stamp)) return void(++odometryNoStamp_);
+  if (!plausible(judgePose(record.pose))) return;
   addSample(record.stamp, record.pose);
 }
 
 void Source::take(const ActionRecord& record) {
   if (!useKind(Kind::kAction)) return void(++stats_.odometryOther);
-  if (!isFinite(record.increment)) return void(++stats_.odometryBad);
+  if (!plausible(judgeStep(record.increment))) return;
   // The path begins where the images before the first action were taken.
   if (!hasPose_ && !std::isnan(images_.last())) addSample(images_.last(), Pose2{});
   if (!hasPose_) pose_ = Pose2{};

@@ -15,15 +15,18 @@ inline constexpr std::int64_t kTicksAtUnixEpoch = 116444736000000000;
 inline constexpr double kFirstRawlogStamp = -1.16e10, kLastRawlogStamp = 9.1e11;
 inline bool fitsRawlog(double stamp) { return stamp > kFirstRawlogStamp && stamp < kLastRawlogStamp; }
 
-/// @param stamp [s since the Unix epoch], one that fitsRawlog()
+/// @param stamp [s since the Unix epoch], 0, which means none, where it does not fitsRawlog()
 inline std::uint64_t rawlogTicks(double stamp) {
+  if (!fitsRawlog(stamp)) return 0;
   return static_cast<std::uint64_t>(std::llround(stamp * 1e7) + kTicksAtUnixEpoch);
 }
 
 /// [s since the Unix epoch]; NaN when the recorder set none.
 inline double unixSeconds(std::uint64_t ticks) {
   if (ticks == 0) return std::numeric_limits<double>::quiet_NaN();
-  return static_cast<double>(static_cast<std::int64_t>(ticks) - kTicksAtUnixEpoch) * 1e-7;
+  constexpr auto kEpoch = static_cast<std::uint64_t>(kTicksAtUnixEpoch);
+  return ticks >= kEpoch ? static_cast<double>(ticks - kEpoch) * 1e-7
+                         : -static_cast<double>(kEpoch - ticks) * 1e-7;
 }
 
 }  // namespace engram::sources

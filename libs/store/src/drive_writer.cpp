@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <utility>
 
 namespace engram::store {
 namespace {
@@ -88,18 +89,29 @@ void DriveWriter::requireNew(std::uint32_t fingerprint) const {
 
 void DriveWriter::begin(const types::Frame& first, int session, const map::MapHeader& header) {
   if (resumes_) return;
-  if (!file_) file_ = MapFile::create(std::move(*lock_), header, options_.overwrite);
-  Drive drive;
-  drive.session = session;
-  drive.source = source_;
-  drive.fingerprint = fingerprintOf(first);
-  drive.firstStamp = drive.lastStamp = first.stamp;
-  requireNew(drive.fingerprint);
-  file_->beginDrive(drive);
+  const std::uint32_t fingerprint = fingerprintOf(first);
+  if (file_) requireNew(fingerprint);
+  newHeader_ = header;
+  next_ = {.session = session,
+           .source = source_,
+           .fingerprint = fingerprint,
+           .firstStamp = first.stamp,
+           .lastStamp = first.stamp};
+}
+
+void DriveWriter::commit(map::TopologicalMap& map, const types::FrameReport& report) {
+  if (!next_) return file_->commit(map, map.takeChanges(), &report);
+  held_.push_back(report);
+  const bool use = report.outcome != types::Outcome::kUnusable && report.outcome != types::Outcome::kSkipped;
+  if (!use) return;
+  if (!file_) file_ = MapFile::create(std::move(*lock_), newHeader_, options_.overwrite);
+  file_->beginDrive(*next_);
+  next_.reset();
+  file_->commit(map, map.takeChanges(), std::exchange(held_, {}));
 }
 
 void DriveWriter::add(map::TopologicalMap& map, const types::FrameReport& report) {
-  if (added_++ >= recorded_.size()) return file_->commit(map, map.takeChanges(), &report);
+  if (added_++ >= recorded_.size()) return commit(map, report);
   const types::FrameReport& before = recorded_[added_ - 1];
   if (toJson(report, false) != toJson(before, false))
     throw base::Error("map '" + path_ + "': image " + std::to_string(report.index) + " of '" + source_ +
@@ -110,7 +122,7 @@ void DriveWriter::add(map::TopologicalMap& map, const types::FrameReport& report
 
 void DriveWriter::end(map::TopologicalMap& map, bool whole) {
   // What a resumed drive has not come to yet stays as it is in the file.
-  if (added_ < recorded_.size()) return;
+  if (added_ < recorded_.size() || next_) return;
   file_->commit(map, map.takeChanges());
   if (whole) file_->endDrive();
 }

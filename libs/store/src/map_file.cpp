@@ -295,17 +295,21 @@ map::TopologicalMap MapFile::load() const { return map::TopologicalMap(MapReader
 
 void MapFile::commit(const map::TopologicalMap& map, const map::MapChanges& changes,
                      const types::FrameReport* report) {
+  commit(map, changes, std::span(report, report == nullptr ? 0 : 1));
+}
+
+void MapFile::commit(const map::TopologicalMap& map, const map::MapChanges& changes,
+                     std::span<const types::FrameReport> reports) {
   Edit edit(*impl_);
   writeRows(edit.database(), impl_->undo, map, changes);
-  if (report != nullptr) {
-    const std::string json = toJson(*report);
-    Statement record(edit.database(), "INSERT INTO records VALUES (?, ?, ?)");
-    record.bind(1, edit.next.nextRecord()).bind(2, json).bind(3, std::uint64_t{crc32Of(json)}).run();
+  Statement insert(edit.database(), "INSERT INTO records VALUES (?, ?, ?)");
+  for (const types::FrameReport& report : reports) {
+    const std::string json = toJson(report);
+    insert.bind(1, edit.next.nextRecord()).bind(2, json).bind(3, std::uint64_t{crc32Of(json)}).run();
     ++edit.next.records;
-    if (edit.drive) {
-      ++edit.drive->images;
-      edit.drive->lastStamp = report->stamp;
-    }
+    if (!edit.drive) continue;
+    ++edit.drive->images;
+    edit.drive->lastStamp = report.stamp;
   }
   edit.next = stateOf(map.content(), edit.next);
   edit.commit();

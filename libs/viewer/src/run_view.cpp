@@ -4,6 +4,8 @@
 
 #include "annotator.h"
 #include "engram/base/atomic_file.h"
+#include "engram/base/error.h"
+#include "engram/base/image_header.h"
 #include "map_scene.h"
 #include "snapshot.h"
 
@@ -201,7 +203,8 @@ class RunView::Impl {
     PanelContent content;
     content.image = snapshot.image;
     content.marks = annotator_->marks(snapshot);
-    if (!snapshot.matchedJpeg.empty()) content.matched = cv::imdecode(snapshot.matchedJpeg, cv::IMREAD_COLOR);
+    if (base::imageRefusal(snapshot.matchedJpeg).empty())
+      content.matched = cv::imdecode(snapshot.matchedJpeg, cv::IMREAD_COLOR);
     content.state = snapshot.state;
     content.report = snapshot.report;
     content.places = snapshot.map.places.size();

@@ -3,6 +3,7 @@
 #include "engram/world/library.h"
 
 #include "engram/base/error.h"
+#include "engram/base/image_header.h"
 #include "paint.h"
 
 #include <opencv2/imgcodecs.hpp>
@@ -18,6 +19,15 @@ namespace fs = std::filesystem;
 constexpr int kPosters = 60, kPeople = 10, kLooks = 4, kFacades = 14, kShops = 10;
 constexpr std::size_t kMostPhotographs = 200;
 
+/// Empty for what is no image, or too large for one.
+cv::Mat readPhotograph(const std::string& path) {
+  try {
+    return cv::imdecode(base::readImageBytes(path), cv::IMREAD_COLOR);
+  } catch (const base::Error&) {
+    return {};
+  }
+}
+
 std::vector<cv::Mat> readPhotographs(const std::string& folder) {
   std::error_code error;
   std::vector<fs::path> paths;
@@ -28,8 +38,7 @@ std::vector<cv::Mat> readPhotographs(const std::string& folder) {
   std::vector<cv::Mat> images;
   for (const auto& p : paths) {
     if (images.size() == kMostPhotographs) break;
-    cv::Mat image;
-    if (cv::haveImageReader(p.string())) image = cv::imread(p.string(), cv::IMREAD_COLOR);
+    const cv::Mat image = readPhotograph(p.string());
     if (image.empty()) continue;
     cv::Mat small;  // a poster is seen from a metre or more: 256 px are enough
     cv::resize(image, small, {256, 256}, 0, 0, cv::INTER_AREA);

@@ -3,6 +3,7 @@
 #include "engram/world/plan.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/base/text_file.h"
 
 #include <algorithm>
@@ -36,7 +37,7 @@ double readNumber(const std::string& name, int line, const std::string& key, con
   }
   if (used == 0 || used != text.size() || !(value >= low && value <= high)) {
     std::ostringstream bounds;
-    bounds << key << " '" << text << "' is not a number in [" << low << ", " << high << "]";
+    bounds << key << " " << base::quoted(text) << " is not a number in [" << low << ", " << high << "]";
     fail(name, line, bounds.str());
   }
   return value;
@@ -44,7 +45,8 @@ double readNumber(const std::string& name, int line, const std::string& key, con
 
 Eigen::Vector2d readPoint(const std::string& name, int line, const std::string& text) {
   const auto comma = text.find(',');
-  if (comma == std::string::npos) fail(name, line, "route point '" + text + "' is not x,y in metres");
+  if (comma == std::string::npos)
+    fail(name, line, "route point " + base::quoted(text) + " is not x,y in metres");
   return {readNumber(name, line, "route x", text.substr(0, comma), 0, 1e4),
           readNumber(name, line, "route y", text.substr(comma + 1), 0, 1e4)};
 }
@@ -160,10 +162,10 @@ Plan parsePlan(const std::string& text, const std::string& name) {
       if (key == "cell") plan.cell = readNumber(name, line, key, value, 0.2, 2.0);
       if (key == "height") plan.height = readNumber(name, line, key, value, 2.3, 15.0);
       if (key == "roof" && value != "flat" && value != "none")
-        fail(name, line, "roof '" + value + "' is neither flat nor none");
+        fail(name, line, "roof " + base::quoted(value) + " is neither flat nor none");
       if (key == "roof") plan.open = value == "none";
     } else {
-      fail(name, line, "unknown key '" + key + "'; use name, cell, height, roof, route or grid");
+      fail(name, line, "unknown key " + base::quoted(key) + "; use name, cell, height, roof, route or grid");
     }
   }
   if (plan.rows == 0) fail(name, 0, "no grid; see the description of the plan format");

@@ -3,6 +3,7 @@
 #include "engram/world/schedule.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -39,8 +40,8 @@ std::set<int> readSessions(const std::string& text) {
     int number = 0;
     const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), number);
     if (status != std::errc() || end != word.data() + word.size() || number < 2)
-      throw base::Error("[change] sudden_sessions = " + text + ": '" + word +
-                        "' is no session from 2 on; give numbers such as 10,20");
+      throw base::Error("[change] sudden_sessions = " + base::printable(text) + ": " + base::quoted(word) +
+                        " is no session from 2 on; give numbers such as 10,20");
     sessions.insert(number);
   }
   return sessions;

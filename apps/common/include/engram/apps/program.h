@@ -22,7 +22,7 @@ enum ExitCode : int {
   kOk = 0,
   kError = 1,    ///< bad input or a failure; nothing useful was made
   kUsage = 2,    ///< the command line cannot be understood
-  kPartial = 3,  ///< stopped early (Ctrl-C, damaged input); what was done is kept
+  kPartial = 3,  ///< stopped early (Ctrl-C, damaged input) or mostly in vain; what was done is kept
 };
 
 /// A command line that lacks something or contradicts itself: exit code 2.
@@ -43,6 +43,10 @@ class Program {
   virtual void declare(CLI::App& app) = 0;
   /// Does the work. `out` takes results, `err` progress and messages. Throws base::Error on bad input.
   virtual int run(std::ostream& out, std::ostream& err) = 0;
+
+ protected:
+  /// A message for the user, after the name of the program; nothing for an empty one.
+  void say(const std::string& message, std::ostream& err) const;
 };
 
 /// A program of subcommands, each a program of its own.

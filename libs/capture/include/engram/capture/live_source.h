@@ -26,6 +26,7 @@ struct LiveStats {
   QueueCounters queue;
   std::size_t waiting = 0;          ///< images in the queue now
   std::size_t withoutOdometry = 0;  ///< left out at the start, before the first reading of odometry
+  std::size_t odometryLeftOut = 0;  ///< readings that are not numbers, or more than a robot can do
 };
 
 /// Images of a camera as they are taken, with odometry if there is any. Threads of their own receive both;

@@ -16,7 +16,8 @@ namespace engram::capture {
 /// Odometry from the thread of its sensor, for images that are younger than the last reading.
 class OdometryFeed {
  public:
-  /// Readings that are not numbers, or whose stamps do not rise, are left out. @param stamp [s]
+  /// Readings that are not numbers or that no robot can have (sources::judgePose), and those whose stamps do
+  /// not rise, are left out. @param stamp [s]
   void add(double stamp, const sources::Pose2& pose);
 
   /// The pose at `stamp`: as soon as a reading is that late, or after `patience` from what there is.
@@ -24,13 +25,15 @@ class OdometryFeed {
   std::optional<sources::Pose2> at(double stamp, double hold, std::chrono::duration<double> patience) const;
 
   std::size_t readings() const;
+  /// For what they say, not for their stamps.
+  std::size_t leftOut() const;
 
  private:
   mutable std::mutex mutex_;
   mutable std::condition_variable added_;
   sources::OdometryTrack track_;
   sources::StampGate gate_;
-  std::size_t readings_ = 0;
+  std::size_t readings_ = 0, leftOut_ = 0;
 };
 
 }  // namespace engram::capture

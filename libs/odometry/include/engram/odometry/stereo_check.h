@@ -35,11 +35,13 @@ struct StereoHealth {
   StereoFault fault = StereoFault::kUnknown;
   int pairs = 0;                      ///< looked at
   int leftBlank = 0, rightBlank = 0;  ///< of these, where only the other eye shows something
-  RowAgreement together;              ///< images of one frame
+  RowAgreement level;                 ///< images of one frame
+  RowAgreement together;              ///< the same, but for an offset that all rows have: `rowOffset`
   RowAgreement swapped;               ///< the same, with negative disparities
-  RowAgreement late, early;           ///< right images with the left ones of the frame before, after
+  RowAgreement late, early;           ///< right images with the left ones of the frame before, after; so too
   int negative = 0;                   ///< of the matches `together`, with a negative disparity in any row
   double rowError = 0;                ///< median distance of the rows of images of one frame [px]
+  double rowOffset = 0;  ///< median of how much higher points lie in the right image than in the left [px]
 
   bool ok() const { return fault == StereoFault::kNone; }
 };

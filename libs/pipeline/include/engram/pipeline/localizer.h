@@ -39,6 +39,8 @@ class Localizer {
   map::TopologicalMap& map() { return map_; }
   /// What this configuration asks of a map.
   map::MapHeader header() const { return perception_.mapHeader(params_.memory.memory); }
+  /// What the pairs so far say of the eyes of a stereo camera; none for another camera.
+  std::optional<odometry::StereoHealth> eyes() const { return perception_.eyes(); }
 
  private:
   struct Work;

@@ -3,11 +3,13 @@
 #pragma once
 
 #include "engram/map/topological_map.h"
+#include "engram/odometry/stereo_check.h"
 #include "engram/pipeline/params.h"
 #include "engram/types/frame.h"
 #include "engram/types/frame_report.h"
 
 #include <memory>
+#include <optional>
 
 namespace engram::pipeline {
 
@@ -28,6 +30,8 @@ class MapBuilder {
   virtual int session() const = 0;
   /// What the map must be opened with again.
   virtual map::MapHeader header() const = 0;
+  /// What the pairs so far say of the eyes of a stereo camera; none for another camera.
+  virtual std::optional<odometry::StereoHealth> eyes() const = 0;
 };
 
 /// By `[mapping] nodes`: `places` makes a Mapper, `views` a ViewMapper. Throws as their constructors.

@@ -34,6 +34,7 @@ class Mapper final : public MapBuilder {
   map::TopologicalMap& map() override { return map_; }
   int session() const override { return session_; }
   map::MapHeader header() const override { return perception_.mapHeader(params_.memory.memory); }
+  std::optional<odometry::StereoHealth> eyes() const override { return perception_.eyes(); }
 
  private:
   struct Work;

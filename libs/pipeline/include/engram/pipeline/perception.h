@@ -9,6 +9,7 @@
 #include "engram/cameras/rectifier.h"
 #include "engram/features/extractor.h"
 #include "engram/map/map_content.h"
+#include "engram/odometry/stereo_check.h"
 #include "engram/types/features.h"
 #include "engram/types/frame.h"
 #include "engram/types/frame_report.h"
@@ -76,6 +77,9 @@ class Perception {
   /// Features of rectified images, with ranges.
   types::Features operator()(const types::StereoPair& pair) const;
 
+  /// What the pairs that look() has seen say of the eyes; none without a stereo camera.
+  std::optional<odometry::StereoHealth> eyes() const;
+
   /// What a map made with this camera and extractor must be opened with again.
   map::MapHeader mapHeader(const std::string& memoryModel) const;
 
@@ -83,6 +87,7 @@ class Perception {
   std::string cameraText() const;
   void setRig(cameras::CameraRig rig);
   void setStereoRig(const cameras::StereoRig& rig);
+  types::Features lookWithBothEyes(const types::Frame& frame);
   types::Features describe(const cv::Mat& image) const;
 
   CameraParams params_;
@@ -92,6 +97,7 @@ class Perception {
   std::optional<cameras::CameraRig> rig_;
   std::optional<cameras::Rectifier> rectifier_;
   std::optional<StereoCamera> stereo_;
+  odometry::StereoCheck check_;
   std::string stereoText_;  // calibration of both eyes
   std::unique_ptr<cameras::LiftingTable> lifting_;
   Eigen::Matrix3f R_robot_cam_ = Eigen::Matrix3f::Identity();

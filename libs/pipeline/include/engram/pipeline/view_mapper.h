@@ -40,6 +40,7 @@ class ViewMapper final : public MapBuilder {
   map::TopologicalMap& map() override { return map_; }
   int session() const override { return session_; }
   map::MapHeader header() const override { return perception_.mapHeader(params_.memory.memory); }
+  std::optional<odometry::StereoHealth> eyes() const override { return check_.health(); }
 
  private:
   struct Work;

@@ -63,6 +63,7 @@ struct RawlogStats {
   std::size_t imagesNoOdometry = 0;  ///< delivered without odometry although the rawlog holds some
   std::size_t odometry = 0;          ///< samples used
   std::size_t odometryBad = 0;       ///< left out: not a number
+  std::size_t odometryWild = 0;      ///< left out: what no robot can have, see judgePose()
   std::size_t odometryBadStamp = 0;
   std::size_t odometryOther = 0;             ///< of another kind or label
   std::size_t clockRestarts = 0;             ///< the stamps went back for good

@@ -47,7 +47,8 @@ class DriveWriter {
 
   /// The path and the records of older drives were forgotten in this map: so they are in the file.
   void forget(map::TopologicalMap& map, int firstKeptSession);
-  /// To be called with the first image, before it changes the map.
+  /// To be called with the first image, before it changes the map. The file is made or changed by the first
+  /// image that is of use: a run without any leaves it as it is.
   /// @param header for a new map
   /// Throws base::Error when the map has learnt this drive already.
   void begin(const types::Frame& first, int session, const map::MapHeader& header);
@@ -63,12 +64,16 @@ class DriveWriter {
 
  private:
   void openExisting(const types::Frame* first);
+  void commit(map::TopologicalMap& map, const types::FrameReport& report);
   void requireNew(std::uint32_t fingerprint) const;
 
   std::string path_, source_;
   DriveOptions options_;
   std::optional<WriterLock> lock_;  // until there is a file that holds it
   std::optional<MapFile> file_;
+  map::MapHeader newHeader_;
+  std::optional<Drive> next_;             // to begin
+  std::vector<types::FrameReport> held_;  // of its images so far
   bool resumes_ = false, complete_ = false;
   std::vector<types::FrameReport> recorded_;  // of the drive that is resumed
   std::uint64_t added_ = 0;

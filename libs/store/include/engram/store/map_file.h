@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <iosfwd>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,9 @@ class MapFile {
   /// Writes what changed and the record of the image, or nothing at all if it throws.
   void commit(const map::TopologicalMap& map, const map::MapChanges& changes,
               const types::FrameReport* report = nullptr);
+  /// The same with the records of several images.
+  void commit(const map::TopologicalMap& map, const map::MapChanges& changes,
+              std::span<const types::FrameReport> reports);
 
   /// All runs that wrote into the map; none of a map of format 1 that was not written since.
   std::vector<Drive> drives() const;
