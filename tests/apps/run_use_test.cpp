@@ -52,7 +52,7 @@ TEST(RunUse, MoreThanHalfForOneCauseIsNoSuccess) {
 
 TEST(RunUse, RefusalsAtDifferentPlacesAreOneCause) {
   RunUse use;
-  add(use, 1, Outcome::kNewPlace);
+  add(use, 1, Outcome::kSkipped, "the robot has not moved");
   for (int place = 0; place < 3; ++place)
     add(use, 1, Outcome::kRefused,
         "the graph refuses the closure to place " + std::to_string(place) + ": too far");
@@ -85,6 +85,9 @@ TEST(RunUse, RefusedImagesWereLookedAt) {
   add(use, 4, Outcome::kRefused, "no place is probable enough");
   EXPECT_FALSE(use.none());
   EXPECT_THAT(use.complaint(), HasSubstr("4 of 4 images were of no use: no place is probable enough"));
+  add(use, 1, Outcome::kRecognised);
+  EXPECT_EQ(use.complaint(), "") << "that an image is not recognised is an answer";
+  EXPECT_EQ(use.toJson()["no place is probable enough"], 4);
 }
 
 TEST(RunUse, ManyCausesAreSummedUp) {

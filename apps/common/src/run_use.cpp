@@ -77,12 +77,17 @@ void RunUse::add(const types::FrameReport& report) {
   ++images_;
   if (report.outcome == Outcome::kSkipped) return void(++skipped_[causeIn(report.reason)]);
   used_ += report.outcome != Outcome::kUnusable;
+  placed_ += report.outcome == Outcome::kNewPlace || report.outcome == Outcome::kRecognised;
   if (report.outcome == Outcome::kUnusable || report.outcome == Outcome::kRefused)
     ++causes_[causeIn(report.reason)];
+  if (report.outcome == Outcome::kRefused) ++refused_[causeIn(report.reason)];
 }
 
 std::string RunUse::complaint() const {
-  const auto list = ordered(none() && causes_.empty() ? skipped_ : causes_);
+  Counts causes = none() && causes_.empty() ? skipped_ : causes_;
+  if (placed_ > 0)
+    for (const auto& [cause, count] : refused_) causes[cause] -= count;
+  const auto list = ordered(causes);
   if (list.empty() || (!none() && 2 * list.front().second <= images_)) return {};
   const auto& [cause, count] = list.front();
   const std::string what =

@@ -15,6 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Records of a camera that sees nothing for days must not fill the memory.
+constexpr std::size_t kMostHeld = 4096;
+
 /// Whether there is a map: its making may have been cut off before it held anything.
 bool hasMap(const std::string& path) {
   std::error_code error;
@@ -103,7 +106,7 @@ void DriveWriter::commit(map::TopologicalMap& map, const types::FrameReport& rep
   if (!next_) return file_->commit(map, map.takeChanges(), &report);
   held_.push_back(report);
   const bool use = report.outcome != types::Outcome::kUnusable && report.outcome != types::Outcome::kSkipped;
-  if (!use) return;
+  if (!use && held_.size() < kMostHeld) return;
   if (!file_) file_ = MapFile::create(std::move(*lock_), newHeader_, options_.overwrite);
   file_->beginDrive(*next_);
   next_.reset();

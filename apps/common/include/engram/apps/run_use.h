@@ -21,8 +21,9 @@ class RunUse {
 
   /// Not one image could be used: each was unusable or skipped.
   bool none() const { return images_ > 0 && used_ == 0; }
-  /// The cause for which more than half of the images were unusable or refused, or for which none could be
-  /// used, with what to do; empty when there is no such cause.
+  /// The cause for which more than half of the images were unusable, or for which none could be used, with
+  /// what to do; empty when there is no such cause. Refusals are a cause only when not one image was placed:
+  /// that an image is not recognised is an answer of localisation, not a failure.
   std::string complaint() const;
   /// Throws base::Error with the complaint when none().
   void requireSome() const;
@@ -35,8 +36,9 @@ class RunUse {
  private:
   using Counts = std::map<std::string, int>;
 
-  int images_ = 0, used_ = 0;
+  int images_ = 0, used_ = 0, placed_ = 0;
   Counts causes_;   // of unusable and refused images
+  Counts refused_;  // of the latter
   Counts skipped_;  // of images that were not looked at, such as of a robot that stands
 };
 
