@@ -6,6 +6,7 @@
 #include "engram/base/interrupt.h"
 #include "engram/base/line_file.h"
 #include "engram/base/progress.h"
+#include "engram/base/text.h"
 #include "engram/pipeline/localizer.h"
 #include "engram/store/map_file.h"
 #include "engram/store/report_json.h"
@@ -124,7 +125,7 @@ int LocalizeProgram::conclude(const LocalizeFigures& figures, std::ostream& out,
     figures.print(stream_.summaryTo(out, err));
     stream_.summaryTo(out, err) << input_.summary();
   }
-  if (!problem.empty()) err << name() << ": " << problem << "\n";
+  if (!problem.empty()) err << name() << ": " << base::forTerminal(problem) << "\n";
   if (base::interrupted()) err << name() << ": interrupted; the results hold every image up to here\n";
   return input_.exitCode();
 }

@@ -6,6 +6,7 @@
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
+#include "engram/base/text.h"
 #include "engram/exporters/exporters.h"
 #include "engram/exporters/html_report.h"
 #include "engram/store/report_json.h"
@@ -137,7 +138,7 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::MapBuilder& mapp
   }
 
   const std::string problem = input_.problem();
-  if (!problem.empty()) err << name() << ": " << problem << "\n";
+  if (!problem.empty()) err << name() << ": " << base::forTerminal(problem) << "\n";
   if (base::interrupted()) err << name() << ": interrupted; the map holds every image up to here\n";
   return input_.exitCode();
 }

@@ -44,5 +44,10 @@ TEST(Quoted, ShortensLongText) {
   EXPECT_EQ(printable(umlauts), shown + "…") << "never in the middle of a character";
 }
 
+TEST(ForTerminal, KeepsLinesAndLength) {
+  EXPECT_EQ(forTerminal("a\n\tb\x1b[2J\r\xff\u202E"), "a\n\tb\\x1b[2J\\r\\xff\\xe2\\x80\\xae");
+  EXPECT_EQ(forTerminal(std::string(200, 'x')), std::string(200, 'x'));
+}
+
 }  // namespace
 }  // namespace engram::base
