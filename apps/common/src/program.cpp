@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/apps/program.h"
 
+#include "engram/apps/json_file.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
-
-#include <nlohmann/json.hpp>
+#include "engram/base/text.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -34,11 +34,11 @@ int runProgram(Program& program, const std::vector<std::string>& arguments, std:
   try {
     return program.run(out, err);
   } catch (const base::Interrupted& e) {
-    err << program.name() << ": " << e.what()
+    err << program.name() << ": " << base::forTerminal(e.what())
         << "; what was done is kept, and the same command goes on from there\n";
     return kPartial;
   } catch (const std::exception& e) {
-    err << program.name() << ": " << e.what() << "\n";
+    err << program.name() << ": " << base::forTerminal(e.what()) << "\n";
     return kError;
   }
 }
@@ -88,7 +88,7 @@ void makeFolder(const std::string& path) {
 }
 
 void writeJson(const std::string& path, const nlohmann::json& figures) {
-  if (!path.empty()) base::writeText(path, figures.dump(2) + "\n", true);
+  if (!path.empty()) base::writeText(path, toText(figures, 2) + "\n", true);
 }
 
 std::uint64_t peakResidentBytes() {
