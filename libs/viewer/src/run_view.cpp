@@ -4,6 +4,7 @@
 
 #include "annotator.h"
 #include "engram/base/error.h"
+#include "engram/map/picture.h"
 #include "map_scene.h"
 #include "snapshot.h"
 
@@ -197,7 +198,8 @@ class RunView::Impl {
     PanelContent content;
     content.image = snapshot.image;
     content.marks = annotator_->marks(snapshot);
-    if (!snapshot.matchedJpeg.empty()) content.matched = cv::imdecode(snapshot.matchedJpeg, cv::IMREAD_COLOR);
+    if (map::brokenPicture(snapshot.matchedJpeg).empty())
+      content.matched = cv::imdecode(snapshot.matchedJpeg, cv::IMREAD_COLOR);
     content.state = snapshot.state;
     content.report = snapshot.report;
     content.places = snapshot.map.places.size();
