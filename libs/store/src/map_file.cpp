@@ -6,6 +6,7 @@
 #include "engram/base/error.h"
 #include "engram/store/report_json.h"
 #include "map_reader.h"
+#include "schema_check.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kApplicationId = 0x456E676D;  // "Engm"; bytes 68 to 71 of the file
 
+/// What a file is compared with when it is opened.
 constexpr const char* kSchema = R"(
   PRAGMA application_id = 0x456E676D;
   PRAGMA user_version = 1;
@@ -102,6 +104,7 @@ void requireMap(Database& database) {
                       "; this program reads up to " + std::to_string(kFormatVersion) +
                       ". Use a newer Engram");
   if (version < 1) throw base::Error("map '" + database.path() + "' is damaged: it has no format version");
+  requireSchema(database, kSchema);
 }
 
 }  // namespace
@@ -167,6 +170,7 @@ MapFile MapFile::open(const std::string& path, Access access) {
   MapReader reader(*impl->database);
   impl->header = reader.header();
   impl->state = reader.state();
+  if (write) reader.requireLastRecord(impl->state);
   return MapFile(std::move(impl));
 }
 
