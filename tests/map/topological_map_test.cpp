@@ -74,9 +74,12 @@ TEST(TopologicalMap, GivesIdsInOrderAndNeverAgain) {
 TEST(TopologicalMap, RefusesTimesAndPosesWithoutMeaning) {
   auto m = ringMap(3);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(messageOf([&] { m.addPlace({.createdStamp = nan}); }),
-              HasSubstr("its time stamp is not finite"));
-  EXPECT_THAT(messageOf([&] { m.addPlace({.session = -1}); }), HasSubstr("drive is out of range"));
+  Place place;
+  place.createdStamp = nan;
+  EXPECT_THAT(messageOf([&] { m.addPlace(place); }), HasSubstr("its time stamp is not finite"));
+  place.createdStamp = 0;
+  place.session = -1;
+  EXPECT_THAT(messageOf([&] { m.addPlace(place); }), HasSubstr("drive is out of range"));
   EXPECT_THAT(messageOf([&] { m.addView({.place = p(0), .stamp = nan, .label = "x"}); }),
               HasSubstr("view 'x': its time stamp is not finite"));
   EXPECT_THAT(messageOf([&] { m.addPathPoint({.stamp = nan, .anchor = p(0)}); }),
