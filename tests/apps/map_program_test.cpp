@@ -163,6 +163,8 @@ TEST_F(MapProgramTest, TrainsAVocabularyOnMaps) {
 TEST_F(MapProgramTest, RefusesMapsThatNoVocabularyFits) {
   map::MapHeader header;
   header.extractor = "orb";
+  header.descriptorKind = types::DescriptorKind::kBinary;
+  header.descriptorDim = 256;
   map::TopologicalMap empty;
   store::MapFile::create(path("orb.engram"), header).commit(empty, empty.takeChanges());
   const std::string file = path("v.vocabulary");
