@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kept_drive.h"
 
+#include "engram/apps/json_file.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
 #include "engram/base/error.h"
@@ -10,10 +11,7 @@
 #include "engram/sources/rawlog_source.h"
 #include "engram/sources/rawlog_writer.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
-#include <fstream>
 #include <sstream>
 
 namespace engram::apps {
@@ -67,18 +65,14 @@ void record(const world::World& world, const world::Session& day, const std::str
   base::writeText(stem + ".truth.tum", tum.str(), true);
   // Last: a drive counts as kept from here on.
   base::writeText(stem + ".json",
-                  json{{"made_with", madeWith},
-                       {"weather", day.appearance().inWords()},
-                       {"lap_m", world.route().length()},
-                       {"arcs_m", arcs}}
-                      .dump(),
+                  toText(json{{"made_with", madeWith},
+                              {"weather", day.appearance().inWords()},
+                              {"lap_m", world.route().length()},
+                              {"arcs_m", arcs}}),
                   true);
 }
 
-json readRecord(const std::string& stem) {
-  std::ifstream in(stem + ".json");
-  return json::parse(in, nullptr, false);
-}
+json readRecord(const std::string& stem) { return readJsonIfAny(stem + ".json"); }
 
 }  // namespace
 

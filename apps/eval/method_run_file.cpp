@@ -2,13 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "method_run_file.h"
 
+#include "engram/apps/json_file.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
-#include <fstream>
 
 namespace engram::apps {
 namespace {
@@ -60,13 +58,12 @@ void writeMethodRun(const std::string& path, const MethodRun& run) {
                      {"update", c.update},
                      {"interpolated", thousandths(c.interpolated)},
                      {"whole", thousandths(c.whole)}});
-  base::writeText(path, json{{"method", run.method}, {"updates", updates}, {"cells", cells}}.dump(), true);
+  base::writeText(path, toText(json{{"method", run.method}, {"updates", updates}, {"cells", cells}}), true);
 }
 
 MethodRun readMethodRun(const std::string& path) {
   try {
-    std::ifstream in(path);
-    const json file = json::parse(in);
+    const json file = readJson(path);
     MethodRun run;
     run.method = file.at("method").get<std::string>();
     for (const auto& u : file.at("updates")) run.updates.push_back(updateFrom(u));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recorded_drive.h"
 
+#include "engram/apps/json_file.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
 #include "engram/base/error.h"
@@ -9,12 +10,9 @@
 #include "engram/base/parallel.h"
 #include "engram/store/feature_file.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <mutex>
 #include <numeric>
 #include <sstream>
@@ -55,8 +53,7 @@ std::string describe(const world::World& world, const world::Eyes& eyes, feature
 }
 
 bool isRecorded(const std::string& stem, const std::string& madeWith) {
-  std::ifstream in(stem + ".json");
-  const json file = json::parse(in, nullptr, false);
+  const json file = readJsonIfAny(stem + ".json");
   return file.is_object() && file.value("made_with", std::string()) == madeWith;
 }
 
@@ -74,19 +71,17 @@ void save(const std::string& stem, const RecordedDrive& drive, bool noisy, const
   store::writeFeatureFile(stem + ".features", features, true);
   // Last: a drive counts as recorded from here on.
   base::writeText(stem + ".json",
-                  json{{"made_with", madeWith},
-                       {"session", drive.session},
-                       {"weather", drive.weather},
-                       {"tour_length", drive.tourLength},
-                       {"noisy", noisy},
-                       {"samples", samples}}
-                      .dump(),
+                  toText(json{{"made_with", madeWith},
+                              {"session", drive.session},
+                              {"weather", drive.weather},
+                              {"tour_length", drive.tourLength},
+                              {"noisy", noisy},
+                              {"samples", samples}}),
                   true);
 }
 
 RecordedDrive load(const std::string& stem) {
-  std::ifstream in(stem + ".json");
-  const json file = json::parse(in);
+  const json file = readJson(stem + ".json");
   const bool noisy = file.at("noisy").get<bool>();
   auto features = store::readFeatureFile(stem + ".features");
   RecordedDrive drive{file.at("session").get<int>(),

@@ -2,12 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tours_run_file.h"
 
+#include "engram/apps/json_file.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
-
-#include <nlohmann/json.hpp>
-
-#include <fstream>
 
 namespace engram::apps {
 namespace {
@@ -53,13 +50,12 @@ void writeToursRun(const std::string& path, const ToursRun& run) {
                   {"tour_length", run.tourLength},
                   {"place_arcs", run.placeArcs},
                   {"tours", tours}};
-  base::writeText(path, file.dump(), true);
+  base::writeText(path, toText(file), true);
 }
 
 ToursRun readToursRun(const std::string& path) {
   try {
-    std::ifstream in(path);
-    const json file = json::parse(in);
+    const json file = readJson(path);
     ToursRun run;
     run.method = file.at("method").get<std::string>();
     run.tourLength = file.at("tour_length").get<double>();

@@ -2,12 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "words_run_file.h"
 
+#include "engram/apps/json_file.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
-
-#include <nlohmann/json.hpp>
-
-#include <fstream>
 
 namespace engram::apps {
 namespace {
@@ -29,8 +26,7 @@ MappingRun::Path pathFrom(const json& list) {
 /// Calls `take` with the file's content.
 template <class Take>
 void readRun(const std::string& path, Take take) {
-  std::ifstream in(path);
-  const json file = json::parse(in, nullptr, false);
+  const json file = readJsonIfAny(path);
   try {
     take(file);
   } catch (const json::exception&) {
@@ -66,7 +62,7 @@ void writeRun(const std::string& path, const MappingRun& run) {
                   {"odometry", toJson(run.odometry)},
                   {"before", toJson(run.before)},
                   {"relaxed", toJson(run.relaxed)}};
-  base::writeText(path, file.dump(), true);
+  base::writeText(path, toText(file), true);
 }
 
 MappingRun readMappingRun(const std::string& path) {
@@ -115,7 +111,7 @@ void writeRun(const std::string& path, const LocalisationRun& run) {
   const json file{{"setting", run.setting}, {"transition", run.transition}, {"places", run.places},
                   {"shown", run.shown},     {"learned", run.learned},       {"attempts", attempts},
                   {"ms", run.msPerImage}};
-  base::writeText(path, file.dump(), true);
+  base::writeText(path, toText(file), true);
 }
 
 LocalisationRun readLocalisationRun(const std::string& path) {

@@ -7,6 +7,7 @@
 #include "engram/base/interrupt.h"
 #include "engram/base/line_file.h"
 #include "engram/base/progress.h"
+#include "engram/base/text.h"
 #include "engram/pipeline/localizer.h"
 #include "engram/store/map_file.h"
 #include "engram/store/report_json.h"

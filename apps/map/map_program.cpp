@@ -4,6 +4,7 @@
 
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/exporters/exporters.h"
 #include "engram/exporters/html_report.h"
 #include "engram/store/map_file.h"
@@ -68,7 +69,7 @@ std::string fixed(double value, int digits) {
 }
 
 void line(std::ostream& out, const std::string& name, const std::string& value) {
-  out << std::left << std::setw(20) << name << value << '\n';
+  out << std::left << std::setw(20) << name << base::forTerminal(value) << '\n';
 }
 
 void print(std::ostream& out, const Json& j, const map::MapHeader& h) {
@@ -156,8 +157,8 @@ int MapProgram::info(std::ostream& out) const {
 int MapProgram::check(std::ostream& out) const {
   const MapFile file = MapFile::open(map_, Access::kReadOnly);
   const auto problems = file.check();
-  for (const std::string& problem : problems) out << map_ << ": " << problem << '\n';
-  if (problems.empty() && !quiet_) out << map_ << ": sound\n";
+  for (const std::string& problem : problems) out << base::forTerminal(map_ + ": " + problem) << '\n';
+  if (problems.empty() && !quiet_) out << base::forTerminal(map_) << ": sound\n";
   return problems.empty() ? kOk : kError;
 }
 
@@ -190,7 +191,7 @@ int MapProgram::exportMap(std::ostream& out) const {
                                                     fixed(static_cast<double>(file.bytes()) / 1e6, 2)}}}),
                     overwrite_);
   }
-  if (!quiet_) out << output_ << ": written\n";
+  if (!quiet_) out << base::forTerminal(output_) << ": written\n";
   return kOk;
 }
 

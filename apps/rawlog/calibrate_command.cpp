@@ -6,6 +6,7 @@
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
+#include "engram/base/text.h"
 #include "engram/sources/image_folder_source.h"
 #include "engram/sources/image_pairs.h"
 #include "engram/sources/rawlog_source.h"
@@ -127,7 +128,7 @@ void CalibrateCommand::print(std::ostream& out, const std::vector<CalibrationRes
       std::snprintf(line, sizeof line, "  %s: left out, it does not fit the others\n", view.name.c_str());
     out << line;
   }
-  for (const auto& name : missed_) out << "  " << name << ": board not found\n";
+  for (const auto& name : missed_) out << "  " << base::forTerminal(name) << ": board not found\n";
   std::snprintf(line, sizeof line, "%s: rms %.3f px over %d of %zu images\n", out_.c_str(), rms, used,
                 views.size() + missed_.size());
   out << line;

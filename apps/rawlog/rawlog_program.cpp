@@ -3,6 +3,7 @@
 #include "rawlog_program.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 
 #include <charconv>
 #include <ostream>
@@ -16,7 +17,7 @@ void CommonOptions::declare(CLI::App& app) {
 }
 
 int finish(const std::string& problem, bool whole, bool interrupted, std::ostream& err) {
-  if (!problem.empty()) err << "engram-rawlog: " << problem << "\n";
+  if (!problem.empty()) err << "engram-rawlog: " << base::forTerminal(problem) << "\n";
   if (interrupted) err << "engram-rawlog: interrupted; what was done so far is kept\n";
   return whole && !interrupted ? kOk : kPartial;
 }

@@ -7,6 +7,7 @@
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
+#include "engram/base/text.h"
 #include "engram/exporters/exporters.h"
 #include "engram/exporters/html_report.h"
 #include "engram/store/report_json.h"

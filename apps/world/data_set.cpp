@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "data_set.h"
 
+#include "engram/apps/json_file.h"
 #include "engram/apps/program.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
@@ -115,7 +116,7 @@ class Maker {
       if (n <= o_.sessions) std::snprintf(stem, sizeof stem, "session_%02d", n);
       makeSession(n, stem, n <= o_.sessions ? world::DriveKind::kTour : world::DriveKind::kTest, all);
     }
-    base::writeText(file("world.json"), worldJson().dump(2) + "\n", true);
+    base::writeText(file("world.json"), toText(worldJson(), 2) + "\n", true);
     figures_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (figures_.images > 0) figures_.msPerFrame = 1000 * busy_ / static_cast<double>(figures_.images);
     return figures_;

@@ -23,6 +23,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 class MapProgramTest : public ::testing::Test {
  protected:
@@ -87,6 +88,29 @@ TEST_F(MapProgramTest, CheckFindsDamage) {
   EXPECT_THAT(err_.str(), HasSubstr("place 3: its checksum is wrong"));
 }
 
+/// What a map of someone else may say to a terminal, and to the reader of a JSON file.
+TEST_F(MapProgramTest, TextOfAMapIsShownAndNotObeyed) {
+  auto map = testing::ringMap(3);
+  map::MapHeader header;
+  header.camera = "\x1b]0;owned\x07\x1b[2J\xff";
+  header.memoryModel = "fsh\xc2\x9b\u202E";
+  header.parameters = "a = \x1b[31m\n";
+  header.descriptorDim = 64;
+  types::FrameReport report;
+  report.label = "\x7f\xc2\x9b";
+  store::MapFile::create(path("b.engram"), header).commit(map, map.takeChanges(), &report);
+  for (const std::string command : {"info", "check", "dump"}) {
+    EXPECT_EQ(run({command, path("b.engram")}), kOk) << err_.str();
+    for (const char* raw : {"\x1b", "\x07", "\xff", "\x7f", "\xc2\x9b", "\u202E"})
+      EXPECT_THAT(out_.str() + err_.str(), Not(HasSubstr(raw))) << command;
+  }
+  EXPECT_EQ(run({"info", path("b.engram"), "--json", path("b.json")}), kOk) << err_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("\\x1b]0;owned\\x07\\x1b[2J\\xff"));
+  EXPECT_EQ(nlohmann::json::parse(read(path("b.json"))).at("camera"), "\x1b]0;owned\x07\x1b[2J\uFFFD");
+  EXPECT_EQ(run({"info", path("\x1b[2J")}), kError);
+  EXPECT_THAT(err_.str(), AllOf(HasSubstr("\\x1b[2J"), Not(HasSubstr("\x1b"))));
+}
+
 TEST_F(MapProgramTest, DumpEqualsTheStore) {
   EXPECT_EQ(run({"dump", path("m.engram")}), kOk);
   std::ostringstream expected;
@@ -139,6 +163,8 @@ TEST_F(MapProgramTest, TrainsAVocabularyOnMaps) {
 TEST_F(MapProgramTest, RefusesMapsThatNoVocabularyFits) {
   map::MapHeader header;
   header.extractor = "orb";
+  header.descriptorKind = types::DescriptorKind::kBinary;
+  header.descriptorDim = 256;
   map::TopologicalMap empty;
   store::MapFile::create(path("orb.engram"), header).commit(empty, empty.takeChanges());
   const std::string file = path("v.vocabulary");

@@ -80,5 +80,10 @@ TEST(Quoted, MessagesOfTheConfigurationAreShortAndPlain) {
   }
 }
 
+TEST(ForTerminal, KeepsLinesAndLength) {
+  EXPECT_EQ(forTerminal("a\n\tb\x1b[2J\r\xff\u202E"), "a\n\tb\\x1b[2J\\r\\xff\\xe2\\x80\\xae");
+  EXPECT_EQ(forTerminal(std::string(200, 'x')), std::string(200, 'x'));
+}
+
 }  // namespace
 }  // namespace engram::base

@@ -71,6 +71,40 @@ TEST(TopologicalMap, GivesIdsInOrderAndNeverAgain) {
   m.checkInvariants();
 }
 
+TEST(TopologicalMap, RefusesTimesAndPosesWithoutMeaning) {
+  auto m = ringMap(3);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Place place;
+  place.createdStamp = nan;
+  EXPECT_THAT(messageOf([&] { m.addPlace(place); }), HasSubstr("its time stamp is not finite"));
+  place.createdStamp = 0;
+  place.session = -1;
+  EXPECT_THAT(messageOf([&] { m.addPlace(place); }), HasSubstr("drive is out of range"));
+  EXPECT_THAT(messageOf([&] { m.addView({.place = p(0), .stamp = nan, .label = "x"}); }),
+              HasSubstr("view 'x': its time stamp is not finite"));
+  EXPECT_THAT(messageOf([&] { m.addPathPoint({.stamp = nan, .anchor = p(0)}); }),
+              HasSubstr("its time stamp"));
+  Eigen::Isometry3d far = Eigen::Isometry3d::Identity();
+  far.translation().x() = 2e9;
+  EXPECT_THAT(messageOf([&] { m.setPose(p(0), far); }), HasSubstr("its pose is more than 1e9 m away"));
+  EXPECT_THAT(messageOf([&] { m.addPathPoint({.anchor = p(0), .T_anchor_robot = far}); }),
+              HasSubstr("1e9 m"));
+  EXPECT_EQ(m.places().size(), 3u);
+  m.checkInvariants();
+}
+
+TEST(TopologicalMap, RefusesMoreWhenItsNumbersAreUsedUp) {
+  MapContent content = ringMap(3).content();
+  content.nextPlace = content.nextView = content.nextEdge = kMostIds;
+  TopologicalMap m(content);
+  EXPECT_THAT(messageOf([&] { m.addPlace({}); }), HasSubstr("start a new one"));
+  EXPECT_THAT(messageOf([&] { m.addView({.place = p(0)}); }), HasSubstr("start a new one"));
+  EXPECT_THAT(messageOf([&] { m.addEdge(validEdge(0, 1)); }), HasSubstr("start a new one"));
+  m.checkInvariants();
+  ++content.nextPlace;
+  EXPECT_THAT(messageOf([&] { TopologicalMap again(content); }), HasSubstr("used up its numbers"));
+}
+
 TEST(TopologicalMap, RefusesBadEdgesByName) {
   auto m = ringMap(3);
   const auto before = m.edges().size();

@@ -54,6 +54,9 @@ class KeepOdd : public memory::MemoryModel {
   }
 };
 
+/// The header of a JPEG of 16 x 16 pixels.
+const std::vector<std::uint8_t> kPicture{0xff, 0xd8, 0xff, 0xc0, 0, 11, 8, 0, 16, 0, 16, 1, 1, 0x11, 0};
+
 /// Changes something, as a session does.
 void change(map::TopologicalMap& map, base::Rng& rng) {
   const auto any = [&] {
@@ -64,7 +67,7 @@ void change(map::TopologicalMap& map, base::Rng& rng) {
     case 0: {
       map::Place place;
       place.memory = engram::testing::randomMemory(rng, static_cast<int>(rng.below(12)), 2);
-      map.addView({.place = map.addPlace(place), .stamp = 3, .label = "x", .jpeg = {1, 2, 0, 255}});
+      map.addView({.place = map.addPlace(place), .stamp = 3, .label = "x", .jpeg = kPicture});
       break;
     }
     case 1:
@@ -126,8 +129,9 @@ TEST_F(MapFileTest, EveryKindOfDescriptorAndNoBearings) {
     m.features.descriptors = types::Descriptors(kind, dim);
     m.features.descriptors.resize(3);
     for (std::size_t i = 0; i < 3; ++i) {
+      // Of a float no byte has all bits of an exponent: it is finite.
       for (std::size_t b = 0; b < m.features.descriptors.rowBytes(); ++b)
-        m.features.descriptors.mutableRow(i)[b] = static_cast<std::byte>(rng.below(256));
+        m.features.descriptors.mutableRow(i)[b] = static_cast<std::byte>(rng.below(64));
       m.features.keypoints.push_back({.x = static_cast<float>(rng.normal()), .angle = -0.0f, .sign = -1});
       m.states.emplace_back().id = m.nextFeatureId++;
       m.states.back().counter = static_cast<std::uint16_t>(65535 - i);
@@ -135,7 +139,10 @@ TEST_F(MapFileTest, EveryKindOfDescriptorAndNoBearings) {
     if (kind == types::DescriptorKind::kInt8) m.features.ranges = {1.5f, 0.0f, 3.25f};  // a stereo view
     map::TopologicalMap map;
     map.addPlace(place);
-    MapFile file = MapFile::create(path("a.engram"), sampleHeader(), true);
+    map::MapHeader header = sampleHeader();
+    header.descriptorKind = kind;
+    header.descriptorDim = dim;
+    MapFile file = MapFile::create(path("a.engram"), header, true);
     file.commit(map, map.takeChanges());
     const auto read = file.load();
     EXPECT_EQ(read.place(map::PlaceId(0)).memory.features.descriptors, m.features.descriptors);

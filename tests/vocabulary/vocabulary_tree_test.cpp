@@ -236,6 +236,19 @@ TEST(VocabularyTreeBytes, AreRefusedWhenCutOrChanged) {
     }
 }
 
+TEST(VocabularyTreeBytes, HoldFiniteCentres) {
+  base::Rng rng(8);
+  TreeParams params;
+  params.branching = 3;
+  auto bytes = trainOn(randomRows(DescriptorKind::kFloat, 40, 8, rng), params).serialised();
+  ASSERT_TRUE(tryParse(bytes));
+  const float bad = std::numeric_limits<float>::infinity();
+  std::memcpy(bytes.data() + bytes.size() - 8, &bad, sizeof bad);
+  seal(bytes);
+  EXPECT_THAT([&] { VocabularyTree::parse(bytes); },
+              ThrowsMessage<base::Error>(HasSubstr("its descriptors are not finite")));
+}
+
 TEST(VocabularyTreeBytes, AreReadSafelyWithARightChecksumToo) {
   const auto bytes = sample();
   base::Rng rng(6);

@@ -254,6 +254,51 @@ TEST(WordIndexBytes, AreReadSafelyWithARightChecksumToo) {
   }
 }
 
+/// One binary word of 64 bits, or one of a float, in the tree that `nodes` says.
+std::vector<std::uint8_t> withTree(DescriptorKind kind, std::uint8_t dim,
+                                   const std::vector<std::uint8_t>& nodes) {
+  const auto head = sample();
+  std::vector<std::uint8_t> bytes(head.begin(), head.begin() + 7 + 1 + 16 + 3);  // magic, version, parameters
+  bytes.insert(bytes.end(), {static_cast<std::uint8_t>(kind), dim, 2, 1});
+  bytes.insert(bytes.end(), nodes.begin(), nodes.end());
+  bytes.insert(bytes.end(), {1, 0, 0, 2, 0, 1, 0, 1});  // one view of place 0 that has words 0 and 1
+  bytes.resize(bytes.size() + 4);
+  seal(bytes);
+  return bytes;
+}
+
+TEST(WordIndexBytes, HoldTreesThatASearchCanGoDown) {
+  const auto binary = [](const std::vector<std::vector<std::uint8_t>>& nodes) {
+    std::vector<std::uint8_t> bytes;
+    for (const auto& node : nodes) {
+      bytes.insert(bytes.end(), node.begin(), node.end());
+      bytes.resize(bytes.size() + 8u * node[1]);
+    }
+    return withTree(DescriptorKind::kBinary, 64, bytes);
+  };
+  EXPECT_TRUE(tryParse(binary({{0, 2}, {1, 1, 0}, {1, 1, 1}})));
+  EXPECT_THAT(
+      [&] {
+        WordIndex::parse(binary({{0, 2}, {0, 1}, {1, 1, 0}, {1, 1, 1}}));
+      },
+      ThrowsMessage<base::Error>(HasSubstr("its tree is not balanced")));
+  std::vector<std::vector<std::uint8_t>> deep(100, {0, 1});
+  deep.push_back({1, 2, 0, 1});
+  EXPECT_THAT([&] { WordIndex::parse(binary(deep)); },
+              ThrowsMessage<base::Error>(HasSubstr("its tree is too deep")));
+}
+
+TEST(WordIndexBytes, HoldFiniteWords) {
+  const auto leaf = [](float word) {
+    std::vector<std::uint8_t> bytes{1, 2, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0};
+    std::memcpy(bytes.data() + 8, &word, sizeof word);
+    return withTree(DescriptorKind::kFloat, 1, bytes);
+  };
+  EXPECT_TRUE(tryParse(leaf(0.5f)));
+  EXPECT_THAT([&] { WordIndex::parse(leaf(std::nanf(""))); },
+              ThrowsMessage<base::Error>(HasSubstr("its descriptors are not finite")));
+}
+
 TEST(WordIndexBytes, TellWhatIsWrong) {
   auto bytes = sample();
   bytes[7] = 2;

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/apps/program.h"
 
+#include "engram/apps/json_file.h"
 #include "engram/apps/standard_output.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/standard_descriptors.h"
+#include "engram/base/text.h"
 
 #include <nlohmann/json.hpp>
 
@@ -66,7 +68,7 @@ int runProgram(Program& program, const std::vector<std::string>& arguments, std:
     out.flush();
     return code;
   } catch (const base::Interrupted& e) {
-    err << program.name() << ": " << e.what()
+    err << program.name() << ": " << base::forTerminal(e.what())
         << "; what was done is kept, and the same command goes on from there\n";
     return kPartial;
   } catch (const UsageError& e) {
@@ -75,7 +77,7 @@ int runProgram(Program& program, const std::vector<std::string>& arguments, std:
   } catch (const base::ClosedPipe&) {
     throw;
   } catch (const std::exception& e) {
-    err << program.name() << ": " << e.what() << "\n";
+    err << program.name() << ": " << base::forTerminal(e.what()) << "\n";
     return kError;
   }
 }
@@ -145,7 +147,7 @@ void requireNew(const std::string& path, bool overwrite) {
 }
 
 void writeJson(const std::string& path, const nlohmann::json& figures) {
-  if (!path.empty()) base::writeText(path, figures.dump(2) + "\n", true);
+  if (!path.empty()) base::writeText(path, toText(figures, 2) + "\n", true);
 }
 
 std::uint64_t peakResidentBytes() {

@@ -5,6 +5,7 @@
 #include "engram/apps/checks.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
+#include "engram/base/text.h"
 
 #include <nlohmann/json.hpp>
 
@@ -96,7 +97,8 @@ bool RunInput::isOverdue() const {
 }
 
 void RunInput::passOn() {
-  for (const auto& notice : live_->takeNotices()) *notices_ << notice << "\n" << std::flush;
+  for (const auto& notice : live_->takeNotices())
+    *notices_ << base::forTerminal(notice) << "\n" << std::flush;
 }
 
 /// A full disk ends the recording, not the work of the robot.

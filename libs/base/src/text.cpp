@@ -65,6 +65,18 @@ std::string printable(std::string_view text) {
   return out + last;
 }
 
+std::string forTerminal(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const Character c = firstOf(text);
+    const std::string_view bytes = text.substr(0, c.bytes);
+    const bool plain = c.valid && (!isHidden(c.code) || c.code == '\n' || c.code == '\t');
+    out += plain ? std::string(bytes) : escaped(bytes);
+    text.remove_prefix(c.bytes);
+  }
+  return out;
+}
+
 std::string quoted(std::string_view text) {
   std::string out(1, '\'');
   out += printable(text);

@@ -5,6 +5,7 @@
 #include "engram/base/error.h"
 #include "engram/base/image_header.h"
 #include "engram/exporters/exporters.h"
+#include "engram/map/picture.h"
 
 #include <mrpt/opengl/CGridPlaneXY.h>
 #include <mrpt/opengl/COpenGLScene.h>
@@ -180,8 +181,7 @@ std::vector<gl::CRenderizable::Ptr> images(const map::TopologicalMap& map, doubl
   std::vector<gl::CRenderizable::Ptr> out;
   std::size_t i = 0;
   for (const auto& [place, view] : first) {
-    if (i++ % every != 0) continue;
-    if (!base::imageRefusal(view->jpeg).empty()) continue;
+    if (i++ % every != 0 || !map::brokenPicture(view->jpeg).empty()) continue;
     const cv::Mat image = cv::imdecode(view->jpeg, cv::IMREAD_COLOR);
     if (!image.empty()) out.push_back(picture(image, map.place(place), 0.8 * step));
   }

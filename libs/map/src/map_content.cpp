@@ -5,11 +5,18 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
+#include <span>
 
 namespace engram::map {
 namespace {
+
+constexpr double kFarthest = 1e9;  // [m]; squares of what is farther leave no digits for a map
+// [m², rad²]: what is beyond is no measurement, and its inverse or square would overflow.
+constexpr double kLargestVariance = 1e24, kSmallestVariance = 1e-40;
+constexpr int kMostSessions = 1 << 24;
 
 bool isRigid(const Eigen::Isometry3d& T) {
   const Eigen::Matrix3d R = T.linear();
@@ -18,8 +25,45 @@ bool isRigid(const Eigen::Isometry3d& T) {
          R.determinant() > 0;
 }
 
+/// Of a pose, in words; empty when all is well.
+std::string brokenRule(const Eigen::Isometry3d& T, const char* what) {
+  if (!isRigid(T)) return std::string(what) + " is not a finite rigid transform";
+  if (T.translation().cwiseAbs().maxCoeff() > kFarthest)
+    return std::string(what) + " is more than 1e9 m away";
+  return {};
+}
+
+/// When and in which drive something was made.
+std::string brokenRule(double stamp, int session) {
+  if (!std::isfinite(stamp)) return "its time stamp is not finite";
+  if (session < 0 || session >= kMostSessions) return "its number of the drive is out of range";
+  return {};
+}
+
 bool isPositiveDefinite(const Eigen::Ref<const Eigen::MatrixXd>& m) {
-  return Eigen::LLT<Eigen::MatrixXd>(m).info() == Eigen::Success;
+  const Eigen::LLT<Eigen::MatrixXd> factors(m);
+  return factors.info() == Eigen::Success &&
+         factors.matrixLLT().diagonal().minCoeff() >= std::sqrt(kSmallestVariance);
+}
+
+bool allFinite(std::span<const float> values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+
+std::string brokenRule(const types::Features& f) {
+  const auto finite = [](const types::Keypoint& k) {
+    return allFinite(std::array{k.x, k.y, k.size, k.angle, k.response});
+  };
+  if (!std::all_of(f.keypoints.begin(), f.keypoints.end(), finite)) return "a keypoint is not finite";
+  if (f.descriptors.kind() == types::DescriptorKind::kFloat)
+    for (std::size_t i = 0; i < f.descriptors.size(); ++i)
+      if (!allFinite({f.descriptors.floats(i), static_cast<std::size_t>(f.descriptors.dim())}))
+        return "a descriptor is not finite";
+  for (const Eigen::Vector3f& bearing : f.bearings)
+    if (!allFinite({bearing.data(), 3})) return "a bearing is not finite";
+  for (const float range : f.ranges)
+    if (!(range >= 0) || !std::isfinite(range)) return "a range is negative or not finite";
+  return {};
 }
 
 std::string brokenRule(const memory::PlaceMemory& memory) {
@@ -28,13 +72,18 @@ std::string brokenRule(const memory::PlaceMemory& memory) {
   if (f.keypoints.size() != n || f.descriptors.size() != n ||
       (!f.bearings.empty() && f.bearings.size() != n) || (!f.ranges.empty() && f.ranges.size() != n))
     return "its features, descriptors, bearings, ranges and states differ in number";
+  if (const std::string rule = brokenRule(f); !rule.empty()) return rule;
   std::vector<std::uint32_t> ids;
   ids.reserve(n);
-  for (const auto& state : memory.states) ids.push_back(state.id);
+  for (const auto& state : memory.states) {
+    if (!std::isfinite(state.value)) return "the value of a feature is not finite";
+    ids.push_back(state.id);
+  }
   std::sort(ids.begin(), ids.end());
   if (std::adjacent_find(ids.begin(), ids.end()) != ids.end()) return "two of its features have the same id";
   if (!ids.empty() && ids.back() >= memory.nextFeatureId)
     return "a feature id is not below the next free one";
+  if (memory.nextFeatureId > kMostIds) return "it has used up its numbers of features";
   return {};
 }
 
@@ -100,20 +149,35 @@ const char* toString(Standing standing) {
   return "?";
 }
 
+std::string brokenRule(const MapHeader& header) {
+  if (header.descriptorKind > types::DescriptorKind::kBinary) return "its descriptors are of an unknown kind";
+  if (header.descriptorDim < 1 || header.descriptorDim > kMostDescriptorDim)
+    return "the dimension of its descriptors is out of range";
+  return std::isfinite(header.firstStamp) ? "" : "its first time stamp is not finite";
+}
+
 std::string brokenRule(const Place& place) {
-  if (!isRigid(place.T_map_place)) return "its pose is not a finite rigid transform";
-  if (place.T_world_place && !isRigid(*place.T_world_place))
-    return "its surveyed pose is not a finite rigid transform";
-  if (place.matchedStamp && !std::isfinite(*place.matchedStamp))
-    return "the time of its last match is not finite";
-  return brokenRule(place.memory);
+  std::string rule = brokenRule(place.T_map_place, "its pose");
+  if (rule.empty() && place.T_world_place) rule = brokenRule(*place.T_world_place, "its surveyed pose");
+  if (rule.empty()) rule = brokenRule(place.createdStamp, place.session);
+  if (rule.empty() && place.matchedStamp && !std::isfinite(*place.matchedStamp))
+    rule = "the time of its last match is not finite";
+  return rule.empty() ? brokenRule(place.memory) : rule;
+}
+
+std::string brokenRule(const View& view) { return brokenRule(view.stamp, view.session); }
+
+std::string brokenRule(const PathPoint& point) {
+  const std::string rule = brokenRule(point.T_anchor_robot, "its pose");
+  return rule.empty() ? brokenRule(point.stamp, point.session) : rule;
 }
 
 std::string brokenRule(const Edge& edge) {
   if (edge.a == edge.b) return "it joins a place with itself";
   const auto& [T_a_b, cov, hasScale] = edge.T_a_b;
-  if (!isRigid(T_a_b)) return "its pose is not a finite rigid transform";
+  if (const std::string rule = brokenRule(T_a_b, "its pose"); !rule.empty()) return rule;
   if (!cov.allFinite()) return "its covariance is not finite";
+  if (cov.cwiseAbs().maxCoeff() > kLargestVariance) return "its covariance is too large to mean anything";
   if ((cov - cov.transpose()).cwiseAbs().maxCoeff() > 1e-9 * cov.cwiseAbs().maxCoeff())
     return "its covariance is not symmetric";
   // Without scale nothing is known along the translation, so only the rotation must be known.
@@ -126,6 +190,8 @@ std::vector<std::string> brokenRules(const MapContent& content) {
   std::vector<std::string> broken;
   if (const std::string rule = memory::brokenRule(content.redetections); !rule.empty())
     broken.push_back(rule);
+  for (const std::uint32_t next : {content.nextPlace, content.nextView, content.nextEdge})
+    if (next > kMostIds) broken.push_back("the map has used up its numbers");
   for (const auto& [id, place] : content.places) {
     const std::string what = name("place", id.value);
     if (id != place.id || id.value >= content.nextPlace) broken.push_back(what + " has a wrong id");
@@ -134,6 +200,7 @@ std::vector<std::string> brokenRules(const MapContent& content) {
   for (const auto& [id, view] : content.views) {
     const std::string what = name("view", id.value);
     if (id != view.id || id.value >= content.nextView) broken.push_back(what + " has a wrong id");
+    if (const std::string rule = brokenRule(view); !rule.empty()) broken.push_back(what + ": " + rule);
     if (!content.places.contains(view.place)) broken.push_back(what + " is of a place that does not exist");
   }
   checkEdges(content, broken);
@@ -142,7 +209,17 @@ std::vector<std::string> brokenRules(const MapContent& content) {
     const std::string what = "path point " + std::to_string(i);
     if (!content.places.contains(point.anchor))
       broken.push_back(what + " is tied to a place that does not exist");
-    if (!isRigid(point.T_anchor_robot)) broken.push_back(what + ": its pose is not a finite rigid transform");
+    if (const std::string rule = brokenRule(point); !rule.empty()) broken.push_back(what + ": " + rule);
+  }
+  return broken;
+}
+
+std::vector<std::string> brokenRules(const MapHeader& header, const MapContent& content) {
+  std::vector<std::string> broken;
+  for (const auto& [id, place] : content.places) {
+    const types::Descriptors& d = place.memory.features.descriptors;
+    if (!d.empty() && (d.kind() != header.descriptorKind || d.dim() != header.descriptorDim))
+      broken.push_back(name("place", id.value) + ": its descriptors are not those that the header names");
   }
   return broken;
 }

@@ -18,6 +18,12 @@ void sortUnique(std::vector<Id>& ids) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
+/// The next free number; throws when a map, which never uses one again, has none left.
+std::uint32_t take(std::uint32_t& next) {
+  if (next >= kMostIds) throw base::Error("the map has used up its numbers: start a new one");
+  return next++;
+}
+
 std::string ends(const Edge& edge) {
   return "edge from place " + std::to_string(edge.a.value) + " to place " + std::to_string(edge.b.value);
 }
@@ -45,7 +51,7 @@ TopologicalMap::TopologicalMap(MapContent content) : content_(std::move(content)
 PlaceId TopologicalMap::addPlace(Place place) {
   if (const std::string rule = brokenRule(place); !rule.empty())
     throw base::Error("cannot add the place made from image '" + place.createdLabel + "': " + rule);
-  place.id = PlaceId(content_.nextPlace++);
+  place.id = PlaceId(take(content_.nextPlace));
   const PlaceId id = place.id;
   content_.places.emplace(id, std::move(place));
   holds_[id];
@@ -56,7 +62,9 @@ PlaceId TopologicalMap::addPlace(Place place) {
 
 ViewId TopologicalMap::addView(View view) {
   place(view.place);  // throws when unknown
-  view.id = ViewId(content_.nextView++);
+  if (const std::string rule = brokenRule(view); !rule.empty())
+    throw base::Error("cannot add the view '" + view.label + "': " + rule);
+  view.id = ViewId(take(content_.nextView));
   const ViewId id = view.id;
   holds_[view.place].views.push_back(id);
   content_.views.emplace(id, std::move(view));
@@ -68,7 +76,7 @@ EdgeId TopologicalMap::addEdge(Edge edge) {
   if (!content_.places.contains(edge.a) || !content_.places.contains(edge.b))
     throw base::Error(ends(edge) + ": no such place in the map");
   if (const std::string rule = brokenRule(edge); !rule.empty()) throw base::Error(ends(edge) + ": " + rule);
-  edge.id = EdgeId(content_.nextEdge++);
+  edge.id = EdgeId(take(content_.nextEdge));
   const EdgeId id = edge.id;
   const PlaceId a = edge.a, b = edge.b;
   content_.edges.emplace(id, std::move(edge));
@@ -92,8 +100,8 @@ void TopologicalMap::removeEdge(EdgeId id) {
 
 void TopologicalMap::addPathPoint(const PathPoint& point) {
   place(point.anchor);  // throws when unknown
-  if (!point.T_anchor_robot.matrix().allFinite())
-    throw base::Error("the path cannot take a pose that is not finite");
+  if (const std::string rule = brokenRule(point); !rule.empty())
+    throw base::Error("the path cannot take a point: " + rule);
   holds_[point.anchor].path.push_back(content_.path.size());
   content_.path.push_back(point);
 }

@@ -14,6 +14,7 @@ using Count = Redetections::Count;
 
 constexpr double kPriorViews = 30;         // weight of the prior threshold
 constexpr std::uint64_t kFewTrials = 100;  // below it a hazard says little: 0.05 +- 0.02 at best
+constexpr std::uint64_t kMostTrials = std::uint64_t{1} << 56;
 
 void add(Count& count, bool hit) {
   ++count.trials;
@@ -82,6 +83,11 @@ int learntForgettingAge(const Redetections& seen, int fallback, double chance) {
 
 std::string brokenRule(const Redetections& seen) {
   const auto impossible = [](const Count& count) { return count.hits > count.trials; };
+  // So many views take longer than the world has; the next one must not make the count overflow.
+  const auto tooLarge = [](const Count& count) { return count.trials > kMostTrials; };
+  if (seen.views > kMostTrials || std::ranges::any_of(seen.byValue, tooLarge) ||
+      std::ranges::any_of(seen.byAge, tooLarge))
+    return "its counts of features seen again are out of range";
   if (std::ranges::any_of(seen.byValue, impossible) || std::ranges::any_of(seen.byAge, impossible))
     return "its features were seen again more often than they were looked for";
   return {};

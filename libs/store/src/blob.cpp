@@ -53,7 +53,7 @@ void BlobWriter::compress() {
 
 void BlobReader::decompress() {
   const auto size = get<std::uint32_t>();
-  // Huffman codes are at least one bit long, so a larger size is a false one.
+  // Huffman codes are at least one bit long, so a larger size is a false one: a row never grows by more.
   if (size / 8 > rest_.size()) throw base::Error("a compressed row has a false size");
   decompressed_.resize(size);
   uLongf length = size;
@@ -92,14 +92,23 @@ std::string BlobReader::text() {
   return s;
 }
 
-std::uint64_t BlobReader::varint() {
+std::uint64_t BlobReader::varint(std::uint64_t most) {
   std::uint64_t value = 0;
   for (int shift = 0; shift < 64; shift += 7) {
     const auto byte = get<std::uint8_t>();
+    if (shift == 63 && byte > 1) break;  // of the tenth byte one bit has a place
     value |= static_cast<std::uint64_t>(byte & 0x7f) << shift;
-    if ((byte & 0x80) == 0) return value;
+    if ((byte & 0x80) != 0) continue;
+    if (value > most) break;
+    return value;
   }
-  throw base::Error("a number in a row is too long");
+  throw base::Error("a number in a row is too large");
+}
+
+bool BlobReader::flag() {
+  const auto value = get<std::uint8_t>();
+  if (value > 1) throw base::Error("a yes or no in a row is neither");
+  return value == 1;
 }
 
 std::size_t BlobReader::count(std::size_t itemBytes) {

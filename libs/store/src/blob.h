@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -84,7 +85,10 @@ class BlobReader {
   }
   void raw(void* data, std::size_t size);
   std::string text();
-  std::uint64_t varint();
+  /// Refuses numbers above `most`.
+  std::uint64_t varint(std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+  /// 0 or 1.
+  bool flag();
   /// A number of items that take at least `itemBytes` each: refused when the row is too short for them.
   std::size_t count(std::size_t itemBytes);
   /// Throws unless so many bytes are left: call it before an allocation.

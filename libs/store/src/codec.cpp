@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "codec.h"
 
+#include <limits>
 #include <type_traits>
 
 namespace engram::store {
@@ -90,8 +91,9 @@ types::Features getFeatures(BlobReader& in, std::size_t n) {
   getColumn<std::int8_t>(in, f.keypoints, [](Keypoint& k, std::int8_t v) { k.sign = v; });
   const auto kind = in.get<std::uint8_t>();
   const auto dim = in.varint();
-  if (kind > static_cast<std::uint8_t>(types::DescriptorKind::kBinary) || dim > 65536)
+  if (kind > static_cast<std::uint8_t>(types::DescriptorKind::kBinary) || dim > map::kMostDescriptorDim)
     throw base::Error("its descriptors are of an unknown kind");
+  if (n > 0 && dim == 0) throw base::Error("its descriptors have no components");
   f.descriptors = types::Descriptors(static_cast<types::DescriptorKind>(kind), static_cast<int>(dim));
   in.require(n * f.descriptors.rowBytes());
   f.descriptors.resize(n);
@@ -134,6 +136,27 @@ memory::Redetections getRedetections(BlobReader& in) {
   return seen;
 }
 
+/// More rows than numbers were given out, or no number left.
+void requirePossible(const MapState& s) {
+  if (s.places > s.nextPlace || s.views > s.nextView || s.edges > s.nextEdge)
+    throw base::Error("it counts more rows than numbers were given out");
+  for (const std::uint64_t next :
+       {std::uint64_t{s.nextPlace}, std::uint64_t{s.nextView}, std::uint64_t{s.nextEdge}, s.path, s.records})
+    if (next > map::kMostIds) throw base::Error("it leaves no numbers for new rows");
+}
+
+/// The row holds all of them together: each may be as long as the row, but not every one.
+void getHistories(BlobReader& in, std::vector<memory::FeatureState>& states) {
+  std::vector<std::size_t> lengths(states.size());
+  std::size_t sum = 0;
+  for (std::size_t& length : lengths) sum += length = in.count(1);
+  in.require(sum);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    states[i].history.resize(lengths[i]);
+    in.raw(states[i].history.data(), lengths[i]);
+  }
+}
+
 }  // namespace
 
 Blob encode(const MapState& s) {
@@ -155,6 +178,7 @@ MapState decodeState(std::span<const std::uint8_t> row) {
   if (in.version() >= kStateWithRedetections) s.redetections = getRedetections(in);
   if (in.version() >= kStateVersion) s.firstRecord = in.get<std::uint64_t>();
   in.requireEnd();
+  requirePossible(s);
   return s;
 }
 
@@ -185,13 +209,13 @@ map::Place decodePlace(std::span<const std::uint8_t> row, std::uint64_t id) {
   place.createdIndex = in.varint();
   place.createdLabel = in.text();
   place.session = in.get<std::int32_t>();
-  if (in.get<std::uint8_t>() != 0) place.T_world_place = getPose(in);
+  if (in.flag()) place.T_world_place = getPose(in);
   if (in.version() >= 2) {
     const auto standing = in.get<std::uint8_t>();
     if (standing > static_cast<std::uint8_t>(map::Standing::kProbation))
       throw base::Error("it is of an unknown standing");
     place.standing = static_cast<map::Standing>(standing);
-    if (in.get<std::uint8_t>() != 0) place.matchedStamp = in.get<double>();
+    if (in.flag()) place.matchedStamp = in.get<double>();
   }
   in.requireEnd();
   return place;
@@ -233,9 +257,9 @@ memory::PlaceMemory decodeMemory(std::span<const std::uint8_t> row, std::uint64_
       throw base::Error("a feature is in an unknown stage");
     s.stage = static_cast<memory::Stage>(v);
   });
-  for (FeatureState& s : m.states) s.counter = static_cast<std::uint16_t>(in.varint());
-  for (FeatureState& s : m.states) s.history.resize(in.count(1));
-  for (FeatureState& s : m.states) in.raw(s.history.data(), s.history.size());
+  for (FeatureState& s : m.states)
+    s.counter = static_cast<std::uint16_t>(in.varint(std::numeric_limits<std::uint16_t>::max()));
+  getHistories(in, m.states);
   m.features = getFeatures(in, n);
   in.requireEnd();
   return m;
@@ -312,11 +336,11 @@ map::Edge decodeEdge(std::span<const std::uint8_t> row, std::uint64_t id) {
   edge.b = map::PlaceId(in.get<std::uint32_t>());
   edge.T_a_b.T_a_b = getPose(in);
   in.raw(edge.T_a_b.cov.data(), sizeof(double) * 36);
-  edge.T_a_b.hasScale = in.get<std::uint8_t>() != 0;
+  edge.T_a_b.hasScale = in.flag();
   edge.correspondences.resize(in.count(2));
   for (auto& [a, b] : edge.correspondences) {
-    a = static_cast<std::uint32_t>(in.varint());
-    b = static_cast<std::uint32_t>(in.varint());
+    a = static_cast<std::uint32_t>(in.varint(map::PlaceId::kInvalid));
+    b = static_cast<std::uint32_t>(in.varint(map::PlaceId::kInvalid));
   }
   in.requireEnd();
   return edge;

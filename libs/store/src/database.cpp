@@ -3,6 +3,7 @@
 #include "database.h"
 
 #include "engram/base/error.h"
+#include "schema_check.h"
 
 #include <sqlite3.h>
 
@@ -162,6 +163,8 @@ void Database::beginWriting() {
   if (code != SQLITE_OK) fail(code);
 }
 
+Database::Database() : path_(":memory:") { connect(path_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY); }
+
 void Database::Close::operator()(sqlite3* handle) const { sqlite3_close(handle); }
 
 void Database::connect(const std::string& file, int flags) {
@@ -172,11 +175,10 @@ void Database::connect(const std::string& file, int flags) {
     sqlite3_extended_result_codes(opened, 1);
     sqlite3_busy_timeout(opened, kBusyTimeoutMs);
     sqlite3_limit(opened, SQLITE_LIMIT_LENGTH, kMaxRowBytes);
-    sqlite3_db_config(opened, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-    code = sqlite3_exec(opened,
-                        "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA application_id;"
-                        "SELECT count(*) FROM sqlite_master;",
-                        nullptr, nullptr, nullptr);
+    disarm(opened);
+    code = sqlite3_exec(
+        opened, "PRAGMA cell_size_check = ON; PRAGMA application_id; SELECT count(*) FROM sqlite_master;",
+        nullptr, nullptr, nullptr);
   }
   if (code == SQLITE_OK) return;
   const std::string why = explanation(code, sqlite3_system_errno(opened));

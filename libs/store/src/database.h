@@ -46,6 +46,8 @@ class Database {
  public:
   enum class Mode { kCreate, kReadWrite, kReadOnly };
   Database(const std::string& path, Mode mode);
+  /// An empty one in memory.
+  Database();
   ~Database() = default;
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;

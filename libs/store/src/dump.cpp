@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "engram/base/text.h"
 #include "engram/store/map_file.h"
 #include "engram/store/report_json.h"
 
@@ -30,7 +31,7 @@ std::string hex(const void* data, std::size_t size) {
   return out;
 }
 
-/// Text on one line: line breaks and backslashes are escaped.
+/// Text on one line: line breaks and backslashes are escaped, and what a terminal would obey.
 std::string oneLine(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -41,7 +42,7 @@ std::string oneLine(const std::string& text) {
     else
       out += c;
   }
-  return out + '"';
+  return base::forTerminal(out) + '"';
 }
 
 template <class Matrix>
@@ -94,7 +95,8 @@ void dumpHeader(std::ostream& out, const map::MapHeader& h) {
       << "header memory_model " << oneLine(h.memoryModel) << '\n'
       << "header first_stamp " << exact(h.firstStamp) << '\n';
   std::istringstream parameters(h.parameters);
-  for (std::string line; std::getline(parameters, line);) out << "header parameter " << line << '\n';
+  for (std::string line; std::getline(parameters, line);)
+    out << "header parameter " << base::forTerminal(line) << '\n';
 }
 
 }  // namespace
@@ -131,7 +133,7 @@ void dump(std::ostream& out, const map::MapHeader& header, const map::MapContent
     out << "drive " << d.id << " session " << d.session << " source " << oneLine(d.source) << " first_image "
         << d.fingerprint << " stamps " << exact(d.firstStamp) << ' ' << exact(d.lastStamp) << " first_record "
         << d.firstRecord << " images " << d.images << (d.finished ? " finished" : " cut_off") << '\n';
-  for (const auto& r : records) out << "record " << toJson(r, false) << '\n';
+  for (const auto& r : records) out << "record " << base::forTerminal(toJson(r, false)) << '\n';
 }
 
 }  // namespace engram::store

@@ -285,6 +285,7 @@ MapFile MapFile::open(const std::string& path, Access access) {
   MapReader reader(*impl->database);
   impl->header = reader.header();
   impl->state = reader.state();
+  if (write) reader.requireLastRecord(impl->state);
   return MapFile(std::move(impl));
 }
 

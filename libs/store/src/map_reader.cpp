@@ -3,9 +3,12 @@
 #include "map_reader.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text.h"
+#include "engram/map/picture.h"
 #include "engram/store/report_json.h"
 
-#include <cstdlib>
+#include <charconv>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -35,6 +38,21 @@ void MapReader::forEachRow(const char* sql, const std::string& what, std::uint64
             " were written");
 }
 
+/// A map can do without: a picture that cannot be shown is left out.
+void MapReader::checkPicture(const map::View& view) {
+  if (view.jpeg.empty()) return;
+  if (const std::string rule = map::brokenPicture(view.jpeg); !rule.empty())
+    problem("view " + std::to_string(view.id.value) + ": its picture: " + rule);
+}
+
+void MapReader::requireLastRecord(const MapState& state) {
+  if (state.records == 0) return;
+  const auto last = database_.number("SELECT ifnull(max(id), -1) FROM records");
+  if (static_cast<std::uint64_t>(last) + 1 != state.nextRecord())
+    throw base::Error("map '" + database_.path() + "' is damaged: record " + std::to_string(last) +
+                      " is the last one where " + std::to_string(state.nextRecord()) + " were written");
+}
+
 MapState MapReader::state() {
   try {
     Statement statement(database_, "SELECT data FROM state WHERE id = 0");
@@ -51,9 +69,11 @@ map::MapHeader MapReader::header() {
   while (statement.step()) {
     const std::string key = statement.text(0), value = statement.text(1);
     if (crc32Of(key + '\n' + value) != static_cast<std::uint64_t>(statement.integer(2)))
-      throw base::Error("map '" + database_.path() + "' is damaged: header '" + key +
-                        "': its checksum is wrong");
-    values[key] = value;
+      throw base::Error("map '" + database_.path() + "' is damaged: header " + base::quoted(key) +
+                        ": its checksum is wrong");
+    if (!values.emplace(key, value).second)
+      throw base::Error("map '" + database_.path() + "' is damaged: header " + base::quoted(key) +
+                        " is there twice");
   }
   const auto get = [&](const std::string& key) {
     const auto it = values.find(key);
@@ -61,16 +81,34 @@ map::MapHeader MapReader::header() {
       throw base::Error("map '" + database_.path() + "' is damaged: header '" + key + "' is missing");
     return it->second;
   };
+  const auto number = [&](const std::string& key) {
+    const std::string text = get(key);
+    double value = 0;
+    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (status != std::errc() || end != text.data() + text.size())
+      throw base::Error("map '" + database_.path() + "' is damaged: header '" + key + "' is not a number");
+    return value;
+  };
+  const auto smallNumber = [&](const std::string& key) {
+    const double value = number(key);
+    if (!(value >= 0 && value <= map::kMostDescriptorDim && value == std::floor(value)))
+      throw base::Error("map '" + database_.path() + "' is damaged: header '" + key + "' is out of range");
+    return static_cast<int>(value);
+  };
   map::MapHeader h;
   h.engramVersion = get("engram_version");
   h.camera = get("camera");
   h.extractor = get("extractor");
-  h.descriptorKind =
-      static_cast<types::DescriptorKind>(std::strtol(get("descriptor_kind").c_str(), nullptr, 10));
-  h.descriptorDim = static_cast<int>(std::strtol(get("descriptor_dim").c_str(), nullptr, 10));
+  const int kind = smallNumber("descriptor_kind");
+  if (kind > static_cast<int>(types::DescriptorKind::kBinary))
+    throw base::Error("map '" + database_.path() + "' is damaged: its descriptors are of an unknown kind");
+  h.descriptorKind = static_cast<types::DescriptorKind>(kind);
+  h.descriptorDim = smallNumber("descriptor_dim");
   h.memoryModel = get("memory_model");
   h.parameters = get("parameters");
-  h.firstStamp = std::strtod(get("first_stamp").c_str(), nullptr);
+  h.firstStamp = number("first_stamp");
+  if (const std::string rule = map::brokenRule(h); !rule.empty())
+    throw base::Error("map '" + database_.path() + "' is damaged: header: " + rule);
   return h;
 }
 
@@ -96,6 +134,7 @@ map::MapContent MapReader::content() {
   forEachRow("SELECT id, data FROM views ORDER BY id", "view", s.views,
              [&](std::uint64_t id, Statement& row) {
                map::View view = decodeView(row.blob(1), id);
+               if (problems_ != nullptr) checkPicture(view);
                c.views.emplace(view.id, std::move(view));
              });
   forEachRow("SELECT id, data FROM edges ORDER BY id", "edge", s.edges,
@@ -109,6 +148,7 @@ map::MapContent MapReader::content() {
                c.path.push_back(decodePathPoint(row.blob(1), id));
              });
   for (const std::string& rule : map::brokenRules(c)) problem(rule);
+  for (const std::string& rule : map::brokenRules(header(), c)) problem(rule);
   return c;
 }
 
@@ -124,6 +164,7 @@ std::vector<types::FrameReport> MapReader::records() {
                if (crc32Of(json) != static_cast<std::uint64_t>(row.integer(2)))
                  throw base::Error("its checksum is wrong");
                records.push_back(reportFromJson(json));
+               if (!std::isfinite(records.back().stamp)) throw base::Error("its time stamp is not finite");
              });
   return records;
 }

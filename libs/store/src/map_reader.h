@@ -25,11 +25,14 @@ class MapReader {
   std::vector<types::FrameReport> records();
   /// Of a map whose format has them.
   std::vector<Drive> drives();
+  /// Throws unless the number of the last record fits the totals, for the next one is written behind it.
+  void requireLastRecord(const MapState& state);
 
  private:
   template <class Read>
   void forEachRow(const char* sql, const std::string& what, std::uint64_t expected, Read&& read);
   void problem(const std::string& what);
+  void checkPicture(const map::View& view);
 
   Database& database_;
   std::vector<std::string>* problems_;

@@ -3,11 +3,13 @@
 #include "engram/store/report_json.h"
 
 #include "engram/base/error.h"
+#include "engram/base/json_depth.h"
 
 #include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace engram::store {
 namespace {
@@ -16,11 +18,20 @@ using Json = nlohmann::ordered_json;
 using types::FrameReport;
 using types::Outcome;
 
+/// A whole number that T can hold: the library would cut it to size.
+template <class T>
+T whole(const Json& j) {
+  const bool fits = j.is_number_unsigned() ? std::in_range<T>(j.get<std::uint64_t>())
+                                           : j.is_number_integer() && std::in_range<T>(j.get<std::int64_t>());
+  if (!fits) throw base::Error("in a frame record, a whole number is out of range or is none");
+  return j.get<T>();
+}
+
 Json idToJson(base::PlaceId id) { return id.valid() ? Json(id.value) : Json(nullptr); }
 
 base::PlaceId idFromJson(const Json& j, const char* key) {
   const auto it = j.find(key);
-  return it == j.end() || it->is_null() ? base::PlaceId() : base::PlaceId(it->get<std::uint32_t>());
+  return it == j.end() || it->is_null() ? base::PlaceId() : base::PlaceId(whole<std::uint32_t>(*it));
 }
 
 template <class T>
@@ -29,6 +40,8 @@ void read(const Json& j, const char* key, T& value) {
   if (it == j.end()) return;
   if constexpr (std::is_floating_point_v<T>)
     value = it->is_null() ? std::numeric_limits<T>::quiet_NaN() : it->get<T>();
+  else if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>)
+    value = whole<T>(*it);
   else
     value = it->get<T>();
 }
@@ -78,7 +91,7 @@ FrameReport decode(const Json& j) {
   read(j, "closures_dropped", r.closuresDropped);
   read(j, "closures_restored", r.closuresRestored);
   for (const Json& id : j.value("learnt", Json::array()))
-    r.learnt.push_back(base::PlaceId(id.get<std::uint32_t>()));
+    r.learnt.push_back(base::PlaceId(whole<std::uint32_t>(id)));
   const Json m = j.value("memory", Json::object());
   requireObject(m, "'memory'");
   read(m, "rehearsed", r.memory.rehearsed);
@@ -143,6 +156,7 @@ std::string toJson(const FrameReport& r, bool withTimes) {
 }
 
 FrameReport reportFromJson(const std::string& line) {
+  base::requireShallowJson(line);
   try {
     return decode(Json::parse(line));
   } catch (const Json::exception& e) {

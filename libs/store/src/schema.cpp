@@ -6,11 +6,20 @@
 #include "engram/base/error.h"
 #include "engram/store/map_file.h"
 #include "map_reader.h"
+#include "schema_check.h"
 
 #include <map>
 
 namespace engram::store {
 namespace {
+
+std::string statements(int version) {
+  std::string all;
+  for (const char* table : kTables) (all += table) += ";\n";
+  if (version >= 2)
+    for (const char* table : kTablesOfVersion2) (all += table) += ";\n";
+  return all;
+}
 
 void setVersion(Database& database) {
   database.execute(("PRAGMA user_version = " + std::to_string(kFormatVersion)).c_str());
@@ -49,8 +58,7 @@ std::vector<Drive> drivesFromRecords(Database& database) {
 void createSchema(Database& database) {
   database.execute(("PRAGMA application_id = " + std::to_string(kApplicationId)).c_str());
   setVersion(database);
-  for (const char* table : kTables) database.execute(table);
-  for (const char* table : kTablesOfVersion2) database.execute(table);
+  database.execute(statements(kFormatVersion).c_str());
 }
 
 int requireMap(Database& database) {
@@ -62,6 +70,7 @@ int requireMap(Database& database) {
                       "; this program reads up to " + std::to_string(kFormatVersion) +
                       ". Use a newer Engram");
   if (version < 1) throw base::Error("map '" + database.path() + "' is damaged: it has no format version");
+  requireSchema(database, statements(static_cast<int>(version)).c_str());
   return static_cast<int>(version);
 }
 

@@ -5,7 +5,7 @@
 #include "annotator.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
-#include "engram/base/image_header.h"
+#include "engram/map/picture.h"
 #include "map_scene.h"
 #include "snapshot.h"
 
@@ -203,7 +203,7 @@ class RunView::Impl {
     PanelContent content;
     content.image = snapshot.image;
     content.marks = annotator_->marks(snapshot);
-    if (base::imageRefusal(snapshot.matchedJpeg).empty())
+    if (map::brokenPicture(snapshot.matchedJpeg).empty())
       content.matched = cv::imdecode(snapshot.matchedJpeg, cv::IMREAD_COLOR);
     content.state = snapshot.state;
     content.report = snapshot.report;

@@ -3,8 +3,11 @@
 #pragma once
 
 #include "engram/base/error.h"
+#include "engram/types/features.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -91,5 +94,14 @@ class ByteReader {
  private:
   std::span<const std::uint8_t> rest_;
 };
+
+/// Numbers that are not finite have no distances, and what is sorted by them has no order.
+inline void requireFinite(const types::Descriptors& d) {
+  if (d.kind() != types::DescriptorKind::kFloat || d.empty()) return;
+  const float* first = d.floats(0);
+  const float* last = first + d.size() * static_cast<std::size_t>(d.dim());
+  if (!std::all_of(first, last, [](float v) { return std::isfinite(v); }))
+    throw base::Error("its descriptors are not finite");
+}
 
 }  // namespace engram::vocabulary

@@ -82,6 +82,7 @@ VocabularyTree VocabularyTree::parse(std::span<const std::uint8_t> bytes) {
     tree.centres_.resize(nodes - 1);
     in.raw(tree.centres_.mutableRow(0), size);
     in.requireEnd();
+    requireFinite(tree.centres_);
     return tree;
   } catch (const base::Error& e) {
     throw base::Error("the vocabulary cannot be read: " + std::string(e.what()) + "; train it again");

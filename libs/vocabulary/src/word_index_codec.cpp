@@ -13,6 +13,7 @@ constexpr std::array<std::uint8_t, 7> kMagic{'E', 'G', 'W', 'O', 'R', 'D', 'S'};
 constexpr std::uint8_t kVersion = 1;
 constexpr std::uint64_t kMostIds = base::WordId::kInvalid;  // ids are below
 constexpr std::uint64_t kMostDim = 65536;
+constexpr int kMostLevels = 64;  // a node has at least two children when it is made, and 2^32 words at most
 
 void require(bool holds, const char* problem) {
   if (!holds) throw base::Error(problem);
@@ -47,6 +48,7 @@ class WordIndexCodec {
 
  private:
   static void getNode(ByteReader& in, WordDictionary& d, std::uint32_t n);
+  static void getLevels(ByteReader& in, WordDictionary& d);
   static InvertedIndex::View getView(ByteReader& in, const WordDictionary& d);
 };
 
@@ -93,10 +95,26 @@ void WordIndexCodec::getNode(ByteReader& in, WordDictionary& d, std::uint32_t n)
   }
   rows.resize(count);
   in.raw(rows.mutableRow(0), count * rows.rowBytes());
+  requireFinite(rows);
   auto& node = d.nodes_[n];
   node.leaf = leaf != 0;
   node.ids = std::move(ids);
   node.rows = std::move(rows);
+}
+
+/// A search goes down level by level: all nodes of one are leaves, or none.
+void WordIndexCodec::getLevels(ByteReader& in, WordDictionary& d) {
+  std::size_t first = 0;
+  for (int level = 0; first < d.nodes_.size(); ++level) {
+    require(level < kMostLevels, "its tree is too deep");
+    const std::size_t end = d.nodes_.size();
+    in.require((end - first) * (2 + types::Descriptors(d.kind_, d.dim_).rowBytes()));
+    for (std::size_t n = first; n < end; ++n) {
+      getNode(in, d, static_cast<std::uint32_t>(n));
+      require(d.nodes_[n].leaf == d.nodes_[first].leaf, "its tree is not balanced");
+    }
+    first = end;
+  }
 }
 
 WordDictionary WordIndexCodec::getDictionary(ByteReader& in) {
@@ -112,7 +130,7 @@ WordDictionary WordIndexCodec::getDictionary(ByteReader& in) {
   if (roots == 0) return d;
   d.root_ = 0;
   d.nodes_.emplace_back();
-  for (std::size_t n = 0; n < d.nodes_.size(); ++n) getNode(in, d, static_cast<std::uint32_t>(n));
+  getLevels(in, d);
   return d;
 }
 

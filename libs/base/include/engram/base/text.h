@@ -18,7 +18,10 @@ inline std::string counted(std::size_t n, const std::string& noun) {
 /// stand, then "…". A terminal shows it as it is, and it is always valid UTF-8.
 std::string printable(std::string_view text);
 
-/// The same between quotation marks. Call it as base::quoted(): std::quoted is found for std::string too.
+/// The same of a whole message: not shortened, and its line breaks and tabs stay.
+std::string forTerminal(std::string_view text);
+
+/// printable() between quotation marks. Call it as base::quoted(): std::quoted is found for std::string too.
 std::string quoted(std::string_view text);
 
 }  // namespace engram::base

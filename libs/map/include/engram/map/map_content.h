@@ -23,6 +23,11 @@ using base::EdgeId;
 using base::PlaceId;
 using base::ViewId;
 
+/// Numbers of places, views, edges, features, path points and records are below this.
+inline constexpr std::uint32_t kMostIds = 0xff000000;
+/// Components or bits of a descriptor.
+inline constexpr int kMostDescriptorDim = 65536;
+
 /// What a map was made with. A program whose own values differ must not use the map.
 struct MapHeader {
   std::string engramVersion;
@@ -116,10 +121,16 @@ struct MapContent {
 
 /// Broken rules of a place, an edge, … in words; empty when all is well. Ends and ids are checked by
 /// brokenRules().
+std::string brokenRule(const MapHeader& header);
 std::string brokenRule(const Place& place);
+std::string brokenRule(const View& view);
 std::string brokenRule(const Edge& edge);
+std::string brokenRule(const PathPoint& point);
 
 /// Every broken rule of the whole map, one sentence each.
 std::vector<std::string> brokenRules(const MapContent& content);
+
+/// Every place whose descriptors are not those of the header, one sentence each.
+std::vector<std::string> brokenRules(const MapHeader& header, const MapContent& content);
 
 }  // namespace engram::map
