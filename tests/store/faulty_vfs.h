@@ -33,10 +33,10 @@ struct Fault {
 
 /// Something that happened to a file, as a disk sees it.
 struct DiskEvent {
-  enum class Kind { kCreate, kDelete, kWrite, kTruncate, kSync } kind;
-  std::string path;
+  enum class Kind { kCreate, kDelete, kWrite, kTruncate, kSync } kind = Kind::kSync;
+  std::string path{};
   std::int64_t at = 0;       ///< where a write begins; the new size of a truncation
-  std::string bytes;         ///< of a write
+  std::string bytes{};       ///< of a write
   bool syncsFolder = false;  ///< after it the names of all files are on the disk too
 };
 
