@@ -162,6 +162,7 @@ bool FaultyVfs::fails(Call call) {
 }
 
 void FaultyVfs::happened(DiskEvent event) {
+  if (event.kind == DiskEvent::Kind::kSync && watch_ && event.path == watched_) watch_();
   if (logs_) log_.push_back(std::move(event));
 }
 

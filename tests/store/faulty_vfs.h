@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,10 @@ class FaultyVfs {
   std::uint64_t calls(Call call) const { return calls_[static_cast<std::size_t>(call)]; }
 
   void keepLog() { logs_ = true; }
+  /// Calls f at each sync of this file, with everything written. f may open other files.
+  void watchSyncs(std::string path, std::function<void()> f) {
+    watched_ = std::move(path), watch_ = std::move(f);
+  }
   const std::vector<DiskEvent>& log() const { return log_; }
 
   /// Counts a call and says whether it shall fail.
@@ -67,6 +72,8 @@ class FaultyVfs {
   bool logs_ = false;
   std::array<std::uint64_t, kCalls> calls_{};
   std::vector<DiskEvent> log_;
+  std::string watched_;
+  std::function<void()> watch_;
   sqlite3_vfs* real_;
   sqlite3_vfs* own_;
 };

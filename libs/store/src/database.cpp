@@ -136,6 +136,8 @@ Database::Database(const std::string& path, Mode mode) : path_(path) {
     return;
   }
   connect(file, SQLITE_OPEN_READWRITE | (mode == Mode::kCreate ? SQLITE_OPEN_CREATE : 0));
+  // In the file before there is a log: a map whose making was interrupted is known as one, and overwritten.
+  if (mode == Mode::kCreate) execute("PRAGMA application_id = 0x456E676D;");
   // The log makes a commit cheap and safe when the process is killed; FULL makes it safe when the power
   // fails.
   execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
