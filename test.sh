@@ -2,7 +2,8 @@
 # SPDX-FileCopyrightText: 2026 The Engram authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Installs what is missing, builds with warnings as errors, and runs the whole test suite.
+# Installs what is missing, builds with warnings as errors, and runs the whole test suite; without arguments also the
+# tests of what reads files of others under ASan and UBSan.
 set -euo pipefail
 cd "$(dirname "$0")"
 source scripts/setup.sh
@@ -10,3 +11,8 @@ source scripts/setup.sh
 engram_install_packages
 ENGRAM_CMAKE_OPTIONS="-DENGRAM_WERROR=ON ${ENGRAM_CMAKE_OPTIONS:-}" engram_build "${ENGRAM_PRESET:-release}"
 ctest --preset "${ENGRAM_PRESET:-release}" -j "$(nproc)" "$@"
+
+if [ $# -eq 0 ] && [ -z "${ENGRAM_PRESET:-}" ]; then
+  ENGRAM_CMAKE_OPTIONS="-DENGRAM_WERROR=ON -DENGRAM_BENCH=OFF ${ENGRAM_CMAKE_OPTIONS:-}" engram_build asan engram_reader_tests
+  ctest --preset asan -j "$(nproc)" -L readers
+fi

@@ -28,7 +28,6 @@ namespace engram::apps {
 namespace {
 
 using ::testing::AllOf;
-using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -260,7 +259,7 @@ TEST_F(KillTest, ReadersOfARunSeeWholeMaps) {
       Child reader({"engram-map", command, map_}, path("reader"));
       EXPECT_EQ(reader.wait(), kOk) << command << ": " << reader.err();
       EXPECT_THAT(reader.err(), Not(HasSubstr("damaged")));
-      if (command == "dump") EXPECT_THAT(prefixes, Contains(reader.out())) << "no map of the undisturbed run";
+      EXPECT_TRUE(command != "dump" || std::count(prefixes.begin(), prefixes.end(), reader.out()) > 0);
       during += mapper.running();
     }
     EXPECT_EQ(mapper.wait(), kOk) << mapper.err();
