@@ -155,6 +155,7 @@ TEST(ImageFolder, ErrorsNameFileAndLine) {
     return errorOf([&] { openImageFolder(folder.path(""), folder.path("t.csv")); });
   };
   EXPECT_THAT(withCsv("image,time\n"), HasSubstr("unknown column 'time'"));
+  EXPECT_THAT(withCsv("image,stamp,right,stamp\na.png,1,c.png\n"), HasSubstr("'stamp' stands twice"));
   EXPECT_THAT(withCsv("stamp\n1\n"), HasSubstr("one is 'image'"));
   EXPECT_THAT(withCsv("image,x,y\na.png,1,2\n"), HasSubstr("belong together"));
   EXPECT_THAT(withCsv("image,stamp\na.png,12abc\n"),

@@ -53,7 +53,8 @@ class CsvReader {
       if (!kKnown.contains(names[i]))
         throw base::Error(path + ": unknown column " + base::quoted(names[i]) +
                           "; known are image, stamp, right, x, y, yaw");
-      columns_[names[i]] = i;
+      if (!columns_.emplace(names[i], i).second)
+        throw base::Error(path + ": the column " + base::quoted(names[i]) + " stands twice");
     }
     if (!columns_.contains("image"))
       throw base::Error(path + ": the first line must name the columns, of which one is 'image'");

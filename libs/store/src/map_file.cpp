@@ -24,10 +24,12 @@ namespace fs = std::filesystem;
 /// Does the file begin like a map? Without SQLite, so that damaged maps may be overwritten too.
 bool looksLikeMap(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
-  char head[72] = {};
-  in.read(head, sizeof head);
-  return in.gcount() == 0 || (in.gcount() == sizeof head && std::string(head, 15) == "SQLite format 3" &&
-                              std::string(head + 68, 4) == "Engm");
+  std::string head(4097, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  // At most a page of zeros: the power failed before the first page was on the disk.
+  if (head.size() <= 4096 && head.find_first_not_of('\0') == std::string::npos) return true;
+  return head.size() >= 72 && head.starts_with("SQLite format 3") && head.substr(68, 4) == "Engm";
 }
 
 void removeOld(const std::string& path, bool overwrite) {
@@ -285,6 +287,7 @@ MapFile MapFile::open(const std::string& path, Access access) {
   MapReader reader(*impl->database);
   impl->header = reader.header();
   impl->state = reader.state();
+  if (write) reader.requireLastRecord(impl->state);
   if (write) reader.requireLastRecord(impl->state);
   return MapFile(std::move(impl));
 }

@@ -54,9 +54,10 @@ void MapReader::requireLastRecord(const MapState& state) {
 }
 
 MapState MapReader::state() {
+  Statement statement(database_, "SELECT data FROM state WHERE id = 0");
+  const bool found = statement.step();  // a disk that cannot be read is no damage of the map
   try {
-    Statement statement(database_, "SELECT data FROM state WHERE id = 0");
-    if (!statement.step()) throw base::Error("it is missing");
+    if (!found) throw base::Error("it is missing");
     return decodeState(statement.blob(0));
   } catch (const base::Error& e) {
     throw base::Error("map '" + database_.path() + "' is damaged: the row of totals: " + e.what());
