@@ -7,6 +7,8 @@
 #include "engram/exporters/exporters.h"
 #include "engram/map/picture.h"
 
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/io/zip.h>
 #include <mrpt/opengl/CGridPlaneXY.h>
 #include <mrpt/opengl/COpenGLScene.h>
 #include <mrpt/opengl/CPointCloudColoured.h>
@@ -16,6 +18,7 @@
 #include <mrpt/opengl/CText.h>
 #include <mrpt/opengl/CTexturedPlane.h>
 #include <mrpt/opengl/stock_objects.h>
+#include <mrpt/serialization/CArchive.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -217,13 +220,17 @@ gl::COpenGLScene sceneOf(const map::TopologicalMap& map, bool withImages) {
 }  // namespace
 
 void writeScene(const std::string& path, const map::TopologicalMap& map, const SceneOptions& options) {
-  base::writeAtomically(path, options.overwrite, [&](const std::string& temporary) {
-    const bool jpegWasOff = mrpt::img::CImage::DISABLE_JPEG_COMPRESSION();
-    mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(false);  // otherwise the textures are stored raw
-    const bool ok = sceneOf(map, options.images).saveToFile(temporary);
-    mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(jpegWasOff);
-    if (!ok) throw base::Error("the scene cannot be saved there");
-  });
+  const bool jpegWasOff = mrpt::img::CImage::DISABLE_JPEG_COMPRESSION();
+  mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(false);  // otherwise the textures are stored raw
+  // In memory first: MRPT's saveToFile() does not notice a full disk.
+  mrpt::io::CMemoryStream memory;
+  mrpt::serialization::archiveFrom(memory) << sceneOf(map, options.images);
+  mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(jpegWasOff);
+  const auto* bytes = static_cast<const std::uint8_t*>(memory.getRawBufferData());
+  std::vector<std::uint8_t> packed;
+  if (!mrpt::io::zip::compress_gz_data_block({bytes, bytes + memory.getTotalBytesCount()}, packed))
+    throw base::Error(path + ": the scene cannot be compressed");
+  base::writeText(path, {reinterpret_cast<const char*>(packed.data()), packed.size()}, options.overwrite);
 }
 
 }  // namespace engram::exporters
