@@ -39,9 +39,9 @@ class TextFile : public ::testing::Test {
 
 TEST_F(TextFile, IsTheSameTextHoweverItWasWritten) {
   const std::string truth = "a\n\nb c\n";
-  for (const std::string mark : {std::string(), kMark})
+  for (const std::string& mark : {std::string(), kMark})
     for (const std::string end : {"\n", "\r\n", "\r"})
-      for (const std::string last : {std::string(), end})
+      for (const std::string& last : {std::string(), end})
         EXPECT_EQ(readTextFile(write(mark + "a" + end + end + "b c" + last)), truth)
             << mark.size() << ' ' << end.size() << ' ' << last.size();
   EXPECT_EQ(readTextFile(write("")), "");

@@ -205,7 +205,8 @@ TEST_F(HostileMapTest, NumbersOfRowsHaveRoomAndFit) {
            .views = 3,
            .edges = 3,
            .path = 3,
-           .records = 1};
+           .records = 1,
+           .redetections = {}};
   put("state", 0, encode(state));
   ASSERT_EQ(verdict(), "sound");
   const auto with = [&](auto&& change) {
