@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
 #include <zlib.h>
 
 namespace engram::store {
@@ -40,6 +41,34 @@ TEST_P(FormatTest, MapsOfVersion1OpenForEver) {
   std::ostringstream dump;
   file.dump(dump);
   EXPECT_EQ(withoutFormat(dump.str()), withoutFormat(expected));
+}
+
+/// Reading changes no byte; what is written is of the newest version, and the old content is still in it.
+TEST_P(FormatTest, MapsOfVersion1AreReadUnchangedAndWrittenAsTheNewest) {
+  const std::string name = path("a.engram");
+  std::filesystem::copy_file(
+      std::string(ENGRAM_SOURCE_DIR "/tests/fixtures/map_v1/") + GetParam() + ".engram", name);
+  const std::string before = fileBytes(name);
+  ASSERT_EQ(before[63], 1) << "user_version";
+  const auto content = [&] {
+    const MapFile file = MapFile::open(name, Access::kReadOnly);
+    EXPECT_THAT(file.check(), IsEmpty());
+    return text(file.header(), file.load().content(), file.records());
+  };
+  const std::string known = content();
+  EXPECT_EQ(fileBytes(name), before);
+  {
+    MapFile file = MapFile::open(name, Access::kReadWrite);
+    auto map = file.load();
+    file.commit(map, map.takeChanges());
+  }
+  EXPECT_EQ(fileBytes(name)[63], kFormatVersion);
+  EXPECT_EQ(content(), known);
+  const auto drives = MapFile::open(name, Access::kReadOnly).drives();
+  EXPECT_EQ(drives.size(), GetParam() == std::string("places") ? 2u : 1u);
+  std::uint64_t images = 0;
+  for (const Drive& drive : drives) images += drive.images;
+  EXPECT_EQ(images, MapFile::open(name, Access::kReadOnly).records().size());
 }
 
 INSTANTIATE_TEST_SUITE_P(Version1, FormatTest, ::testing::Values("places", "views"));

@@ -93,32 +93,40 @@ std::string Statement::text(int column) const {
 Database::Database(const std::string& path, Mode mode) : path_(path) {
   // An absolute path: ':memory:' and 'file:x' are then plain file names.
   const std::string file = fs::absolute(path).string();
-  if (mode == Mode::kDamaged) return connectDamaged(file);
-  if (mode == Mode::kReadOnly) {
-    const std::string unchanging = "file:" + percentEncoded(file) + "?immutable=1";
-    // Without its log nothing must appear beside it: an empty log would hide that one is missing.
-    if (logIsMissing(file)) return connect(unchanging, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
-    try {
-      connect(file, SQLITE_OPEN_READONLY);
-    } catch (const base::Error&) {
-      if (fs::exists(file + "-journal")) {
-        // A commit was cut off: undo it first, which a reader may not.
-        connect(file, SQLITE_OPEN_READWRITE);
-        handle_.reset();
-        connect(file, SQLITE_OPEN_READONLY);
-      } else if (!fs::exists(file + "-wal")) {
-        // Copied without its log while a writer had it open, and the medium is read-only: nobody can change
-        // it.
-        connect(unchanging, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
-      } else {
-        throw;
-      }
-    }
-    return;
-  }
-  connect(file, SQLITE_OPEN_READWRITE | (mode == Mode::kCreate ? SQLITE_OPEN_CREATE : 0));
+  if (mode == Mode::kReadOnly)
+    connectToRead(file);
+  else if (mode == Mode::kDamaged)
+    connectDamaged(file);
+  else
+    connect(file, SQLITE_OPEN_READWRITE | (mode == Mode::kCreate ? SQLITE_OPEN_CREATE : 0));
   // Pages that a drive has freed are given back to the disk at its end.
   if (mode == Mode::kCreate) execute("PRAGMA auto_vacuum = INCREMENTAL");
+}
+
+void Database::connectToRead(const std::string& file) {
+  const auto connectToUnchanging = [&] {
+    connect("file:" + percentEncoded(file) + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+  };
+  // Without its log nothing must appear beside it: an empty log would hide that one is missing.
+  if (logIsMissing(file)) {
+    connectToUnchanging();
+    return;
+  }
+  try {
+    connect(file, SQLITE_OPEN_READONLY);
+  } catch (const base::Error&) {
+    if (fs::exists(file + "-journal")) {
+      // A commit was cut off: undo it first, which a reader may not.
+      connect(file, SQLITE_OPEN_READWRITE);
+      handle_.reset();
+      connect(file, SQLITE_OPEN_READONLY);
+    } else if (!fs::exists(file + "-wal")) {
+      // The medium is read-only: nobody can change it.
+      connectToUnchanging();
+    } else {
+      throw;
+    }
+  }
 }
 
 void Database::beginSnapshot() {

@@ -68,6 +68,7 @@ class Database {
 
  private:
   void connect(const std::string& file, int flags);
+  void connectToRead(const std::string& file);
   void connectDamaged(const std::string& file);
 
   struct Close {
