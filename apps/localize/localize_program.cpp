@@ -7,6 +7,7 @@
 #include "engram/base/line_file.h"
 #include "engram/base/progress.h"
 #include "engram/pipeline/localizer.h"
+#include "engram/store/map_copy.h"
 #include "engram/store/map_file.h"
 #include "engram/store/report_json.h"
 
@@ -75,6 +76,8 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   requireFolderOf(json_);
   makeFolder(report_);
 
+  if (const std::string missing = store::missingLog(map_); !missing.empty())
+    err << name() << ": warning: map '" << map_ << "': " << missing << "\n";
   std::optional<store::DriveWriter> drive = openToAdapt(err);
   if (drive && drive->complete()) {
     if (!quiet_) out << map_ << ": holds the whole drive already; nothing to resume\n";
