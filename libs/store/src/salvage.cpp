@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::uint64_t kIdEnd = base::PlaceId::kInvalid;
 /// So many numbers are tried one by one where nothing tells how many there are.
-constexpr std::uint64_t kGapTried = 20000;
+constexpr std::uint64_t kGapTried = 5000;
+constexpr std::uint64_t kHeaderRows = 8;
 
 using Take = std::function<void(std::uint64_t, Statement&)>;
 
@@ -24,12 +25,14 @@ class TableReader {
   TableReader(Database& database, const std::string& table, const std::string& columns)
       : database_(database), select_("SELECT id, " + columns + " FROM " + table) {}
 
-  void read(const Take& take) {
+  /// @param limit numbers are below it
+  void read(std::uint64_t limit, const Take& take) {
+    if (!scan(" LIMIT 0", take)) return;  // there is no such table
     if (scan(" ORDER BY id", take)) return;
     const std::uint64_t first = seen_.empty() ? 0 : *seen_.rbegin() + 1;
     scan(" ORDER BY id DESC", take);
     const auto behind = seen_.lower_bound(first);
-    const std::uint64_t end = behind == seen_.end() ? first + kGapTried : *behind;
+    const std::uint64_t end = behind == seen_.end() ? limit : *behind;
     for (std::uint64_t id = first; id < end; ++id) scan(" WHERE id = " + std::to_string(id), take);
   }
 
@@ -55,13 +58,17 @@ class TableReader {
   std::set<std::uint64_t> seen_;
 };
 
-void readRows(Database& database, Salvage& out, const char* table, const char* kind, const char* columns,
-              const Take& take) {
-  TableReader(database, table, columns).read([&](std::uint64_t id, Statement& row) {
+struct Table {
+  const char *name, *kind, *columns;
+  std::uint64_t limit;
+};
+
+void readRows(Database& database, Salvage& out, const Table& table, const Take& take) {
+  TableReader(database, table.name, table.columns).read(table.limit, [&](std::uint64_t id, Statement& row) {
     try {
       take(id, row);
     } catch (const base::Error&) {
-      out.bad[kind].insert(id);
+      out.bad[table.kind].insert(id);
     }
   });
 }
@@ -69,7 +76,7 @@ void readRows(Database& database, Salvage& out, const char* table, const char* k
 void readHeader(Database& database, Salvage& out) {
   std::map<std::string, std::string> values;
   TableReader(database, "(SELECT rowid AS id, key, value, crc FROM header)", "key, value, crc")
-      .read([&](std::uint64_t, Statement& row) {
+      .read(kHeaderRows + 1, [&](std::uint64_t, Statement& row) {
         const std::string key = row.text(1), value = row.text(2);
         if (crc32Of(key + '\n' + value) == static_cast<std::uint64_t>(row.integer(3))) values[key] = value;
       });
@@ -97,13 +104,20 @@ void readState(Database& database, Salvage& out) {
   }
 }
 
-void readPlaces(Database& database, Salvage& out) {
+MapState unknownState() {
+  MapState s;
+  s.nextPlace = s.nextView = s.nextEdge = kGapTried;
+  s.path = s.records = kGapTried;
+  return s;
+}
+
+void readPlaces(Database& database, const MapState& s, Salvage& out) {
   auto& places = out.content.places;
-  readRows(database, out, "places", "place", "data", [&](std::uint64_t id, Statement& row) {
+  readRows(database, out, {"places", "place", "data", s.nextPlace}, [&](std::uint64_t id, Statement& row) {
     map::Place place = decodePlace(row.blob(1), id);
     places.emplace(place.id, std::move(place));
   });
-  readRows(database, out, "memories", "memory", "data", [&](std::uint64_t id, Statement& row) {
+  readRows(database, out, {"memories", "memory", "data", s.nextPlace}, [&](std::uint64_t id, Statement& row) {
     memory::PlaceMemory memory = decodeMemory(row.blob(1), id);
     out.memories.insert(id);
     const auto place = places.find(map::PlaceId(static_cast<std::uint32_t>(id)));
@@ -114,28 +128,29 @@ void readPlaces(Database& database, Salvage& out) {
   });
 }
 
-void readGraph(Database& database, Salvage& out) {
-  readRows(database, out, "views", "view", "data", [&](std::uint64_t id, Statement& row) {
+void readGraph(Database& database, const MapState& s, Salvage& out) {
+  readRows(database, out, {"views", "view", "data", s.nextView}, [&](std::uint64_t id, Statement& row) {
     map::View view = decodeView(row.blob(1), id);
     out.content.views.emplace(view.id, std::move(view));
   });
-  readRows(database, out, "edges", "edge", "data", [&](std::uint64_t id, Statement& row) {
+  readRows(database, out, {"edges", "edge", "data", s.nextEdge}, [&](std::uint64_t id, Statement& row) {
     map::Edge edge = decodeEdge(row.blob(1), id);
     out.content.edges.emplace(edge.id, std::move(edge));
   });
-  readRows(database, out, "path", "path point", "data",
+  readRows(database, out, {"path", "path point", "data", s.path},
            [&](std::uint64_t id, Statement& row) { out.path.emplace(id, decodePathPoint(row.blob(1), id)); });
 }
 
-void readDrives(Database& database, Salvage& out) {
-  readRows(database, out, "records", "record", "json, crc", [&](std::uint64_t id, Statement& row) {
-    const std::string json = row.text(1);
-    if (crc32Of(json) != static_cast<std::uint64_t>(row.integer(2)))
-      throw base::Error("its checksum is wrong");
-    reportFromJson(json);
-    out.records.emplace(id, json);
-  });
-  readRows(database, out, "drives", "drive", "data",
+void readDrives(Database& database, const MapState& s, Salvage& out) {
+  readRows(database, out, {"records", "record", "json, crc", s.nextRecord()},
+           [&](std::uint64_t id, Statement& row) {
+             const std::string json = row.text(1);
+             if (crc32Of(json) != static_cast<std::uint64_t>(row.integer(2)))
+               throw base::Error("its checksum is wrong");
+             reportFromJson(json);
+             out.records.emplace(id, json);
+           });
+  readRows(database, out, {"drives", "drive", "data", kGapTried},
            [&](std::uint64_t id, Statement& row) { out.drives.emplace(id, decodeDrive(row.blob(1), id)); });
 }
 
@@ -150,9 +165,10 @@ Salvage salvage(Database& database) {
   Salvage out;
   readHeader(database, out);
   readState(database, out);
-  readPlaces(database, out);
-  readGraph(database, out);
-  readDrives(database, out);
+  const MapState limits = out.state.value_or(unknownState());
+  readPlaces(database, limits, out);
+  readGraph(database, limits, out);
+  readDrives(database, limits, out);
   return out;
 }
 
