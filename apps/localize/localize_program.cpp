@@ -9,6 +9,7 @@
 #include "engram/base/progress.h"
 #include "engram/base/text.h"
 #include "engram/pipeline/localizer.h"
+#include "engram/store/map_copy.h"
 #include "engram/store/map_file.h"
 #include "engram/store/report_json.h"
 
@@ -76,6 +77,8 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   for (const std::string& file : {csv_, recordsPath}) requireNew(file, overwrite_ || resume_);
   base::requireWritable(json_);
 
+  if (const std::string missing = store::missingLog(map_); !missing.empty())
+    err << name() << ": warning: map '" << map_ << "': " << missing << "\n";
   std::optional<store::DriveWriter> drive = openToAdapt(err);
   if (drive && drive->complete()) {
     if (!quiet_) out << map_ << ": holds the whole drive already; nothing to resume\n";

@@ -7,6 +7,7 @@
 #include "engram/base/text.h"
 #include "engram/exporters/exporters.h"
 #include "engram/exporters/html_report.h"
+#include "engram/store/map_copy.h"
 #include "engram/store/map_file.h"
 
 #include <nlohmann/json.hpp>
@@ -105,6 +106,8 @@ std::string MapProgram::examples() const {
   return "  engram-map info office.engram                                  what is in it\n"
          "  engram-map info office.engram --json info.json                 the same for programs\n"
          "  engram-map check office.engram                                 is every byte sound?\n"
+         "  engram-map copy office.engram backup.engram                    also while it is being written\n"
+         "  engram-map recover broken.engram rescued.engram                save what can be read of it\n"
          "  engram-map dump office.engram > office.txt                     all content as text, for diff\n"
          "  engram-map export office.engram --format 3dscene --images --out office.3Dscene\n"
          "  engram-map export office.engram --format html --out office.html\n"
@@ -115,9 +118,18 @@ std::string MapProgram::examples() const {
 void MapProgram::declare(CLI::App& app) {
   app.require_subcommand(1);
   info_ = app.add_subcommand("info", "Print what the map holds");
-  check_ = app.add_subcommand("check", "Check all checksums and rules; exit code 1 when the map is damaged");
+  check_ = app.add_subcommand("check",
+                              "Check all checksums and rules; exit code 1 when the map is damaged, 3 when "
+                              "it is sound but was copied without its log");
   dump_ = app.add_subcommand("dump", "Print the whole content as text; equal maps give equal text");
   export_ = app.add_subcommand("export", "Write the map in a format of other programs");
+  copyTo_ = app.add_subcommand("copy", "Copy the whole map as it is now, also while a program writes it");
+  copy_.declare(*copyTo_);
+  recoverTo_ =
+      app.add_subcommand("recover",
+                         "Make a new map of what can be read of a damaged one; exit code 0: all of it, "
+                         "3: some was lost, 1: nothing could be read");
+  recover_.declare(*recoverTo_);
   train_ =
       app.add_subcommand("train-vocabulary", "Train a vocabulary tree on what the places of maps remember");
   trainVocabulary_.declare(*train_);
@@ -138,14 +150,17 @@ void MapProgram::declare(CLI::App& app) {
 }
 
 int MapProgram::run(std::ostream& out, std::ostream& err) {
-  if (info_->parsed()) return info(out);
+  if (info_->parsed()) return info(out, err);
   if (check_->parsed()) return check(out);
-  if (dump_->parsed()) return dump(out);
+  if (dump_->parsed()) return dump(out, err);
+  if (copyTo_->parsed()) return copy_.run(out, err);
+  if (recoverTo_->parsed()) return recover_.run(out, err);
   if (train_->parsed()) return trainVocabulary_.run(out, err);
   return exportMap(out);
 }
 
-int MapProgram::info(std::ostream& out) const {
+int MapProgram::info(std::ostream& out, std::ostream& err) const {
+  printMissingLog(map_, err);
   const MapFile file = MapFile::open(map_, Access::kReadOnly);
   base::requireWritable(json_);
   const Json j = figures(file, file.load());
@@ -158,11 +173,18 @@ int MapProgram::check(std::ostream& out) const {
   const MapFile file = MapFile::open(map_, Access::kReadOnly);
   const auto problems = file.check();
   for (const std::string& problem : problems) out << base::forTerminal(map_ + ": " + problem) << '\n';
-  if (problems.empty() && !quiet_) out << base::forTerminal(map_) << ": sound\n";
-  return problems.empty() ? kOk : kError;
+  const std::string name = base::forTerminal(map_), missing = store::missingLog(map_);
+  if (!missing.empty()) out << name << ": " << base::forTerminal(missing) << '\n';
+  if (!problems.empty()) {
+    if (!quiet_) out << "Save what can be read of it with: engram-map recover " << name << " NEW.engram\n";
+    return kError;
+  }
+  if (!quiet_) out << name << ": sound" << (missing.empty() ? "" : " as far as it goes") << '\n';
+  return missing.empty() ? kOk : kPartial;
 }
 
-int MapProgram::dump(std::ostream& out) const {
+int MapProgram::dump(std::ostream& out, std::ostream& err) const {
+  printMissingLog(map_, err);
   MapFile::open(map_, Access::kReadOnly).dump(out);
   return kOk;
 }

@@ -2,32 +2,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "copy_command.h"
 #include "engram/apps/program.h"
 #include "train_vocabulary_command.h"
 
 namespace engram::apps {
 
-/// engram-map: looks into a map file, checks it, exports it, and trains vocabularies on it. Never writes to
-/// the map.
+/// engram-map: looks into a map file, checks, copies, recovers and exports it, and trains vocabularies on it.
+/// Never writes to the map.
 class MapProgram : public Program {
  public:
   std::string name() const override { return "engram-map"; }
   std::string description() const override {
-    return "Look into a map of Engram, check it, export it, train a vocabulary on it";
+    return "Look into a map of Engram, check it, copy it, recover it, export it, train a vocabulary on it";
   }
   std::string examples() const override;
   void declare(CLI::App& app) override;
   int run(std::ostream& out, std::ostream& err) override;
 
  private:
-  int info(std::ostream& out) const;
+  int info(std::ostream& out, std::ostream& err) const;
   int check(std::ostream& out) const;
-  int dump(std::ostream& out) const;
+  int dump(std::ostream& out, std::ostream& err) const;
   int exportMap(std::ostream& out) const;
 
-  CLI::App *info_ = nullptr, *check_ = nullptr, *dump_ = nullptr, *export_ = nullptr, *train_ = nullptr;
+  CLI::App *info_ = nullptr, *check_ = nullptr, *dump_ = nullptr, *export_ = nullptr, *train_ = nullptr,
+           *copyTo_ = nullptr, *recoverTo_ = nullptr;
   std::string map_, json_, format_, output_;
   TrainVocabularyCommand trainVocabulary_;
+  CopyCommand copy_{CopyCommand::Kind::kCopy}, recover_{CopyCommand::Kind::kRecover};
   bool images_ = false, overwrite_ = false, quiet_ = false;
 };
 

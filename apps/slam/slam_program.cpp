@@ -10,6 +10,7 @@
 #include "engram/base/text.h"
 #include "engram/exporters/exporters.h"
 #include "engram/exporters/html_report.h"
+#include "engram/store/map_copy.h"
 #include "engram/store/report_json.h"
 
 #include <nlohmann/json.hpp>
@@ -121,6 +122,8 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
 
 /// The images are opened first where a drive is to be resumed: the first one tells which it is.
 store::DriveWriter SlamProgram::openMap(const std::string& path, std::ostream& err) {
+  if (const std::string missing = store::missingLog(path); drive_.extend && !missing.empty())
+    err << name() << ": warning: map '" << path << "': " << missing << "\n";
   if (!drive_.resume) return {path, drive_, input_.source(config_)};
   if (!config_.liveSection.empty())
     throw base::Error("--resume goes with --rawlog: what a live camera saw is gone, unless --record kept it");

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "database.h"
 
+#include "diagnosis.h"
 #include "engram/base/error.h"
 #include "schema_check.h"
 
@@ -36,32 +37,6 @@ std::string percentEncoded(const std::string& path) {
       (out += '%').append({kHex[u >> 4], kHex[u & 15]});
   }
   return out;
-}
-
-std::string explanation(int code, int systemError) {
-  const std::string system = systemError != 0 ? std::string(" (") + std::strerror(systemError) + ")" : "";
-  switch (code & 0xff) {
-    case SQLITE_FULL:
-      return "the disk is full. Free some space; what was committed before is safe";
-    case SQLITE_IOERR:
-      return "the disk cannot be read or written" + system + ". What was committed before is safe";
-    case SQLITE_READONLY:
-      if (code == SQLITE_READONLY_ROLLBACK || code == SQLITE_READONLY_RECOVERY)
-        return "its writer was interrupted and it must be repaired first. Run 'engram-map check' on it in a "
-               "folder that "
-               "can be written";
-      return "it cannot be written: the file or its folder is read-only";
-    case SQLITE_CANTOPEN:
-    case SQLITE_PERM:
-      return "it cannot be opened" + system + ". Does its folder exist, and may you read and write there?";
-    case SQLITE_BUSY:
-    case SQLITE_LOCKED:
-      return "another program is writing it. Wait until it has ended";
-    case SQLITE_NOTADB:
-      return "it is not an Engram map";
-    default:
-      return "it is damaged. Use a copy of it, or build the map again";
-  }
 }
 
 }  // namespace
@@ -121,28 +96,40 @@ std::string Statement::text(int column) const {
 Database::Database(const std::string& path, Mode mode) : path_(path) {
   // An absolute path: ':memory:' and 'file:x' are then plain file names.
   const std::string file = fs::absolute(path).string();
-  if (mode == Mode::kReadOnly) {
-    try {
-      connect(file, SQLITE_OPEN_READONLY);
-    } catch (const base::Error&) {
-      if (fs::exists(file + "-journal")) {
-        // A commit was cut off: undo it first, which a reader may not.
-        connect(file, SQLITE_OPEN_READWRITE);
-        handle_.reset();
-        connect(file, SQLITE_OPEN_READONLY);
-      } else if (!fs::exists(file + "-wal")) {
-        // Copied without its log while a writer had it open, and the medium is read-only: nobody can change
-        // it.
-        connect("file:" + percentEncoded(file) + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
-      } else {
-        throw;
-      }
-    }
-    return;
-  }
-  connect(file, SQLITE_OPEN_READWRITE | (mode == Mode::kCreate ? SQLITE_OPEN_CREATE : 0));
+  if (mode == Mode::kReadOnly)
+    connectToRead(file);
+  else if (mode == Mode::kDamaged)
+    connectDamaged(file);
+  else
+    connect(file, SQLITE_OPEN_READWRITE | (mode == Mode::kCreate ? SQLITE_OPEN_CREATE : 0));
   // Pages that a drive has freed are given back to the disk at its end.
   if (mode == Mode::kCreate) execute("PRAGMA auto_vacuum = INCREMENTAL");
+}
+
+void Database::connectToRead(const std::string& file) {
+  const auto connectToUnchanging = [&] {
+    connect("file:" + percentEncoded(file) + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+  };
+  // Without its log nothing must appear beside it: an empty log would hide that one is missing.
+  if (logIsMissing(file)) {
+    connectToUnchanging();
+    return;
+  }
+  try {
+    connect(file, SQLITE_OPEN_READONLY);
+  } catch (const base::Error&) {
+    if (fs::exists(file + "-journal")) {
+      // A commit was cut off: undo it first, which a reader may not.
+      connect(file, SQLITE_OPEN_READWRITE);
+      handle_.reset();
+      connect(file, SQLITE_OPEN_READONLY);
+    } else if (!fs::exists(file + "-wal")) {
+      // The medium is read-only: nobody can change it.
+      connectToUnchanging();
+    } else {
+      throw;
+    }
+  }
 }
 
 void Database::beginSnapshot() {
@@ -181,9 +168,22 @@ void Database::connect(const std::string& file, int flags) {
         nullptr, nullptr, nullptr);
   }
   if (code == SQLITE_OK) return;
-  const std::string why = explanation(code, sqlite3_system_errno(opened));
+  const std::string why = explanation(code, sqlite3_system_errno(opened), path_);
   handle_.reset();
   throw base::Error("map '" + path_ + "': " + why);
+}
+
+void Database::connectDamaged(const std::string& file) {
+  sqlite3* opened = nullptr;
+  const int code =
+      sqlite3_open_v2(file.c_str(), &opened, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, nullptr);
+  handle_.reset(opened);
+  if (code != SQLITE_OK) fail(code);
+  sqlite3_limit(opened, SQLITE_LIMIT_LENGTH, kMaxRowBytes);
+  for (const int option : {SQLITE_DBCONFIG_ENABLE_TRIGGER, SQLITE_DBCONFIG_ENABLE_VIEW})
+    sqlite3_db_config(opened, option, 0, nullptr);
+  // The second makes SQLite open a file that is cut short.
+  execute("PRAGMA trusted_schema = OFF; PRAGMA writable_schema = ON; PRAGMA cell_size_check = ON");
 }
 
 void Database::execute(const char* sql) {
@@ -207,8 +207,9 @@ std::int64_t Database::number(const char* sql) {
 void Database::fail(int code) const {
   const int extended = sqlite3_extended_errcode(handle_.get());
   const bool same = (extended & 0xff) == (code & 0xff);
-  throw base::Error("map '" + path_ + "': " +
-                    explanation(same ? extended : code, same ? sqlite3_system_errno(handle_.get()) : 0));
+  throw base::Error(
+      "map '" + path_ +
+      "': " + explanation(same ? extended : code, same ? sqlite3_system_errno(handle_.get()) : 0, path_));
 }
 
 Transaction::Transaction(Database& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }

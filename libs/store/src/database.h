@@ -44,7 +44,8 @@ class Statement {
 /// A connection to one SQLite file. Errors become base::Error with the path and what to do.
 class Database {
  public:
-  enum class Mode { kCreate, kReadWrite, kReadOnly };
+  /// kDamaged opens what SQLite opens at all, without looking into it: for a copy of one's own.
+  enum class Mode { kCreate, kReadWrite, kReadOnly, kDamaged };
   Database(const std::string& path, Mode mode);
   /// An empty one in memory.
   Database();
@@ -69,6 +70,8 @@ class Database {
 
  private:
   void connect(const std::string& file, int flags);
+  void connectToRead(const std::string& file);
+  void connectDamaged(const std::string& file);
 
   struct Close {
     void operator()(sqlite3* handle) const;

@@ -3,16 +3,16 @@
 #include "engram/store/map_file.h"
 
 #include "database.h"
+#include "diagnosis.h"
 #include "engram/base/error.h"
 #include "engram/store/report_json.h"
 #include "map_reader.h"
+#include "rows.h"
 #include "schema.h"
 #include "undo.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <stdexcept>
 
@@ -20,17 +20,6 @@ namespace engram::store {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Does the file begin like a map? Without SQLite, so that damaged maps may be overwritten too.
-bool looksLikeMap(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string head(4097, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
-  // At most a page of zeros: the power failed before the first page was on the disk.
-  if (head.size() <= 4096 && head.find_first_not_of('\0') == std::string::npos) return true;
-  return head.size() >= 72 && head.starts_with("SQLite format 3") && head.substr(68, 4) == "Engm";
-}
 
 void removeOld(const std::string& path, bool overwrite) {
   if (!overwrite)
@@ -41,39 +30,6 @@ void removeOld(const std::string& path, bool overwrite) {
   for (const char* suffix : {"-wal", "-shm", "-journal", ""})
     if (!fs::remove(path + suffix, error) && error)
       throw base::Error("cannot overwrite map '" + path + "': " + error.message());
-}
-
-std::string exact(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
-
-void writeHeader(Database& database, const map::MapHeader& h) {
-  Statement insert(database, "INSERT INTO header VALUES (?, ?, ?)");
-  const std::pair<const char*, std::string> rows[] = {
-      {"engram_version", h.engramVersion},
-      {"camera", h.camera},
-      {"extractor", h.extractor},
-      {"descriptor_kind", std::to_string(static_cast<int>(h.descriptorKind))},
-      {"descriptor_dim", std::to_string(h.descriptorDim)},
-      {"memory_model", h.memoryModel},
-      {"parameters", h.parameters},
-      {"first_stamp", exact(h.firstStamp)}};
-  for (const auto& [name, value] : rows) {
-    const std::string key = name;
-    insert.bind(1, key).bind(2, value).bind(3, std::uint64_t{crc32Of(key + '\n' + value)}).run();
-  }
-}
-
-void writeState(Database& database, const MapState& state) {
-  const Blob row = encode(state);
-  Statement(database, "INSERT OR REPLACE INTO state VALUES (0, ?)").bind(1, row).run();
-}
-
-void writeDrive(Database& database, const Drive& drive) {
-  const Blob row = encode(drive);
-  Statement(database, "INSERT OR REPLACE INTO drives VALUES (?, ?)").bind(1, drive.id).bind(2, row).run();
 }
 
 /// What the totals of a map say after this content was written.
@@ -153,7 +109,10 @@ void requireCreatable(const std::string& path) {
 void requireFile(const std::string& path) {
   if (!fs::exists(path)) throw base::Error("map '" + path + "' does not exist");
   if (!fs::is_regular_file(path)) throw base::Error("map '" + path + "' is not a file");
-  if (fs::file_size(path) == 0) throw base::Error("map '" + path + "' is empty");
+  if (fs::file_size(path) == 0)
+    throw base::Error("map '" + path +
+                      "' is empty: its writer was cut off at once, or it was copied without its log '" +
+                      path + "-wal'");
 }
 
 }  // namespace
@@ -306,10 +265,8 @@ void MapFile::commit(const map::TopologicalMap& map, const map::MapChanges& chan
                      std::span<const types::FrameReport> reports) {
   Edit edit(*impl_);
   writeRows(edit.database(), impl_->undo, map, changes);
-  Statement insert(edit.database(), "INSERT INTO records VALUES (?, ?, ?)");
   for (const types::FrameReport& report : reports) {
-    const std::string json = toJson(report);
-    insert.bind(1, edit.next.nextRecord()).bind(2, json).bind(3, std::uint64_t{crc32Of(json)}).run();
+    writeRecord(edit.database(), edit.next.nextRecord(), toJson(report));
     ++edit.next.records;
     if (!edit.drive) continue;
     ++edit.drive->images;

@@ -3,6 +3,7 @@
 #include "schema.h"
 
 #include "codec.h"
+#include "diagnosis.h"
 #include "engram/base/error.h"
 #include "engram/store/map_file.h"
 #include "map_reader.h"
@@ -25,8 +26,8 @@ void setVersion(Database& database) {
   database.execute(("PRAGMA user_version = " + std::to_string(kFormatVersion)).c_str());
 }
 
-/// The drives of a map of version 1, which did not name them: image numbers begin anew with each. A drive
-/// that only taught places left no point on the path.
+}  // namespace
+
 std::vector<Drive> drivesFromRecords(Database& database) {
   MapReader reader(database);
   std::map<double, int> sessionAt;
@@ -53,8 +54,6 @@ std::vector<Drive> drivesFromRecords(Database& database) {
   return drives;
 }
 
-}  // namespace
-
 void createSchema(Database& database) {
   database.execute(("PRAGMA application_id = " + std::to_string(kApplicationId)).c_str());
   setVersion(database);
@@ -63,7 +62,7 @@ void createSchema(Database& database) {
 
 int requireMap(Database& database) {
   if (database.number("PRAGMA application_id") != kApplicationId)
-    throw base::Error("map '" + database.path() + "': it is not an Engram map");
+    throw base::Error("map '" + database.path() + "': " + whyNoMap(database.path()));
   const auto version = database.number("PRAGMA user_version");
   if (version > kFormatVersion)
     throw base::Error("map '" + database.path() + "' has format " + std::to_string(version) +

@@ -3,8 +3,10 @@
 #pragma once
 
 #include "database.h"
+#include "engram/store/drive.h"
 
 #include <cstdint>
+#include <vector>
 
 namespace engram::store {
 
@@ -33,6 +35,10 @@ void createSchema(Database& database);
 
 /// Throws base::Error unless the file is a map that this program can read. Returns its format version.
 int requireMap(Database& database);
+
+/// The drives of a map of version 1, which did not name them: image numbers begin anew with each. A drive
+/// that only taught places left no point on the path.
+std::vector<Drive> drivesFromRecords(Database& database);
 
 /// Brings a map of an older version to the newest. To be called within a transaction.
 void upgradeSchema(Database& database, int version);
