@@ -35,7 +35,7 @@ bool folderIsReadOnly(const std::string& path) {
   return faccessat(AT_FDCWD, fs::absolute(path).parent_path().c_str(), W_OK, AT_EACCESS) != 0;
 }
 
-std::string logName(const std::string& path) { return "'" + path + "-wal'"; }
+std::string logName(const std::string& path) { return "'" + realPath(path) + "-wal'"; }
 
 std::string whyDamaged(const std::string& path) {
   const auto head = readHead(path);
@@ -47,7 +47,7 @@ std::string whyDamaged(const std::string& path) {
 }
 
 std::string whyNotOpened(int systemError, const std::string& system, const std::string& path) {
-  if (fs::exists(path + "-wal") && folderIsReadOnly(path))
+  if (fs::exists(realPath(path) + "-wal") && folderIsReadOnly(realPath(path)))
     return "the program that wrote it was cut off, and its log " + logName(path) +
            " can only be read in a folder that can be written. Copy it to such a folder with 'engram-map "
            "copy'";
@@ -69,6 +69,12 @@ bool logHoldsMap(const std::string& path) {
 
 }  // namespace
 
+std::string realPath(const std::string& path) {
+  std::error_code error;
+  const fs::path real = fs::weakly_canonical(fs::absolute(path), error);
+  return error ? path : real.string();
+}
+
 std::optional<FileHead> readHead(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::array<unsigned char, kHeadBytes> bytes{};
@@ -87,7 +93,8 @@ std::optional<FileHead> readHead(const std::string& path) {
 
 bool logIsMissing(const std::string& path) {
   const auto head = readHead(path);
-  return head && head->logged && !fs::exists(path + "-wal") && !fs::exists(path + "-lock");
+  const std::string real = realPath(path);
+  return head && head->logged && !fs::exists(real + "-wal") && !fs::exists(real + "-lock");
 }
 
 bool looksLikeMap(const std::string& path) {
@@ -97,7 +104,8 @@ bool looksLikeMap(const std::string& path) {
   if (!head || head->applicationId == kApplicationId) return head.has_value();
   // Nothing of a map that has just crashed is in its file yet: all of it is in the log.
   const bool untouched = head->applicationId == 0 && head->logged && !head->hasTables;
-  return untouched && (!fs::exists(path + "-wal") || fs::file_size(path + "-wal") == 0 || logHoldsMap(path));
+  const std::string log = realPath(path) + "-wal";
+  return untouched && (!fs::exists(log) || fs::file_size(log) == 0 || logHoldsMap(path));
 }
 
 std::string explanation(int code, int systemError, const std::string& path) {

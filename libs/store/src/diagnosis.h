@@ -8,6 +8,9 @@
 
 namespace engram::store {
 
+/// Where the files beside a map are: behind a link they are beside what it leads to.
+std::string realPath(const std::string& path);
+
 /// The first bytes of a map file, read without SQLite.
 struct FileHead {
   std::uint64_t bytes = 0;          ///< of the whole file

@@ -274,7 +274,7 @@ std::optional<Recovery> copyIfSound(const std::string& from, NewMap& target) {
 Recovery rebuild(const std::string& from, NewMap& target) {
   // Read without its writer's leave, the file and its log would be of two moments.
   std::optional<WriterLock> lock;
-  if (fs::exists(from + "-lock")) lock.emplace(from);
+  if (fs::exists(realPath(from) + "-lock")) lock.emplace(from);
   Salvage salvaged = salvageBest(from, target.scratch());
   Builder builder(salvaged);
   builder.build();

@@ -83,10 +83,11 @@ void requireSource(const std::string& from, const std::string& to) {
 }
 
 void copyFiles(const std::string& from, const std::string& to) {
+  const std::string real = realPath(from);
   std::error_code error;
   for (const char* part : {"", "-wal", "-journal"}) {
-    if (part[0] != '\0' && !fs::exists(from + part)) continue;
-    fs::copy_file(from + part, to + part, error);
+    if (part[0] != '\0' && !fs::exists(real + part)) continue;
+    fs::copy_file(real + part, to + part, error);
     if (!error) fs::permissions(to + part, fs::perms::owner_read | fs::perms::owner_write, error);
     if (error) throw base::Error("cannot copy '" + from + part + "': " + error.message());
   }
@@ -98,7 +99,8 @@ std::string readablePath(const std::string& from, const std::string& scratch) {
     return from;
   } catch (const base::Error&) {
     // A program that wrote it would have left the index of the log there.
-    if (!fs::exists(from + "-wal") || fs::exists(from + "-shm")) throw;
+    if (const std::string real = realPath(from); !fs::exists(real + "-wal") || fs::exists(real + "-shm"))
+      throw;
   }
   copyFiles(from, scratch);
   return scratch;
