@@ -33,7 +33,9 @@ class MapCopyTest : public ::testing::Test {
     from_ = path("m.engram");
     to_ = path("n.engram");
     map_ = testing::ringMap(5);
-    writer_.emplace(store::MapFile::create(from_, {}));
+    map::MapHeader header;
+    header.descriptorDim = 64;
+    writer_.emplace(store::MapFile::create(from_, header));
     writer_->commit(map_, map_.takeChanges());
   }
   void TearDown() override {

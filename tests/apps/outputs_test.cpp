@@ -195,7 +195,7 @@ TEST_F(OutputsTest, AFullDiskInTheMiddleOfAFileLeavesTheEarlierOne) {
   writeBytes(path("page.html"), "earlier");
   rlimit old{};
   getrlimit(RLIMIT_FSIZE, &old);
-  const rlimit small{1024, old.rlim_max};
+  const rlimit small{256, old.rlim_max};
   for (const char* format : {"html", "3dscene"}) {
     std::signal(SIGXFSZ, SIG_DFL);  // what a shell hands on
     setrlimit(RLIMIT_FSIZE, &small);

@@ -230,9 +230,9 @@ TEST(GigeNetwork, OneAddressServesOneCamera) {
 }
 
 TEST(GigeNetwork, OneCameraIsNoStereoPair) {
-  const FakeServer server({.rate = 50.0}, numbered(0, 1), [] { return cv::Mat(); });
   GigeParams params = loopback();
   for (const std::string name : {"127.0.0.1", "Aravis-Fake-GV01"}) {
+    const FakeServer server({.rate = 50.0}, numbered(0, 1), [] { return cv::Mat(); });
     params.right_camera = name;
     EXPECT_THAT(refusal(params), HasSubstr("right_camera: '" + name + "' is the left camera too"));
   }

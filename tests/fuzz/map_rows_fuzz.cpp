@@ -82,6 +82,11 @@ void decode(RowKind kind, const Blob& row) {
       require(store::encode(store::decodePathPoint(again, kId), kId) == again);
       break;
     }
+    case RowKind::kDrive: {
+      const Blob again = store::encode(store::decodeDrive(row, kId));
+      require(store::encode(store::decodeDrive(again, kId)) == again);
+      break;
+    }
   }
 }
 
@@ -99,7 +104,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       } catch (const base::Error&) {
         require(false);
       }
-    } else if (std::string_view("SPMVETF").find(static_cast<char>(data[0])) != std::string_view::npos) {
+    } else if (std::string_view("SPMVETFD").find(static_cast<char>(data[0])) != std::string_view::npos) {
       const auto kind = static_cast<RowKind>(data[0]);
       decode(kind, sealed(kind, data[1], content));
     }

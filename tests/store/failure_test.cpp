@@ -28,20 +28,20 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-constexpr int kImages = 20;
+constexpr int kImages = 20, kDescriptorDim = 8;
 
 /// What an image does to the map, as far as a store can tell: all kinds of rows come, change and go.
 void learnImage(map::TopologicalMap& map, int image, base::Rng& rng) {
   const auto last = map.places().empty() ? map::PlaceId() : map.places().rbegin()->first;
   if (image % 3 == 0) {
     map::Place place;
-    place.memory = engram::testing::randomMemory(rng, 6, 2, 8);
+    place.memory = engram::testing::randomMemory(rng, 6, 2, kDescriptorDim);
     const auto id = map.addPlace(place);
-    map.addView({.place = id, .stamp = 1.0 * image, .label = "v", .jpeg = {1, 2, 0, 255}});
+    map.addView({.place = id, .stamp = 1.0 * image, .label = "v"});
     if (last.valid())
       map.addEdge({.a = last, .b = id, .T_a_b = engram::testing::relPose(Eigen::Isometry3d::Identity())});
   } else {
-    map.remember(last, memory::Fsh({}), engram::testing::randomFeatures(rng, 3, 8), {});
+    map.remember(last, memory::Fsh({}), engram::testing::randomFeatures(rng, 3, kDescriptorDim), {});
     map.setPose(last, engram::testing::planarPose(rng.normal(), rng.normal(), rng.normal()));
   }
   if (image % 7 == 6) map.removePlace(map.places().begin()->first, map.places().rbegin()->first);
@@ -61,7 +61,9 @@ Session mapImages(const std::string& path, const std::function<void(MapFile&)>& 
   try {
     base::Rng rng(3);
     map::TopologicalMap map;
-    MapFile file = MapFile::create(path, sampleHeader());
+    map::MapHeader header = sampleHeader();
+    header.descriptorDim = kDescriptorDim;
+    MapFile file = MapFile::create(path, header);
     for (run.done = 0; run.done < kImages;) {
       if (committed) committed(file);
       if (run.done == kImages / 2) {

@@ -163,7 +163,7 @@ TEST_F(DataSet, RefusesWhatItCannotDo) {
   EXPECT_EQ(run({"make"}), 2);
   EXPECT_EQ(run({"paint"}), 2);
   EXPECT_EQ(make("b", {"--textures", path("nothing")}), 1);
-  EXPECT_EQ(run({"render", "--preset", "tiny", "--pose", "1;2", "--out", path("x.png")}), 1);
+  EXPECT_EQ(run({"render", "--preset", "tiny", "--pose", "1;2", "--out", path("x.png")}), 2);
   EXPECT_THAT(err_.str(), HasSubstr("x,y,heading"));
 }
 

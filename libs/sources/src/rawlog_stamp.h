@@ -12,7 +12,7 @@ namespace engram::sources {
 inline constexpr std::int64_t kTicksAtUnixEpoch = 116444736000000000;
 
 /// Stamps that those steps can count [s since the Unix epoch]: the years 1601 to 30827.
-inline constexpr double kFirstRawlogStamp = -1.16e10, kLastRawlogStamp = 9.1e11;
+inline constexpr double kFirstRawlogStamp = -1.16444e10, kLastRawlogStamp = 9.1e11;
 inline bool fitsRawlog(double stamp) { return stamp > kFirstRawlogStamp && stamp < kLastRawlogStamp; }
 
 /// @param stamp [s since the Unix epoch], 0, which means none, where it does not fitsRawlog()

@@ -47,9 +47,8 @@ class BlobWriter {
   requires std::is_arithmetic_v<T>
   void put(T value) { raw(&value, sizeof value); }
   void raw(const void* data, std::size_t size) {
-    const std::size_t old = bytes_.size();
-    bytes_.resize(old + size);
-    if (size > 0) std::memcpy(bytes_.data() + old, data, size);
+    const auto* bytes = static_cast<const std::uint8_t*>(data);
+    bytes_.insert(bytes_.end(), bytes, bytes + size);
   }
   void text(const std::string& s) {
     varint(s.size());

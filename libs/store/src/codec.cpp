@@ -390,7 +390,7 @@ Drive decodeDrive(std::span<const std::uint8_t> row, std::uint64_t id) {
   drive.lastStamp = in.get<double>();
   drive.firstRecord = in.get<std::uint64_t>();
   drive.images = in.get<std::uint64_t>();
-  drive.finished = in.get<std::uint8_t>() != 0;
+  drive.finished = in.flag();
   in.requireEnd();
   return drive;
 }

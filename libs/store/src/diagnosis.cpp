@@ -23,6 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kPageBytes = 4096;
 constexpr std::size_t kHeadBytes = 108;  // the file header, and that of the first page
 
 std::uint32_t bigEndian(const unsigned char* bytes, int count) {
@@ -55,6 +56,15 @@ std::string whyNotOpened(int systemError, const std::string& system, const std::
     return "you may not read it, or not write where it is" + system;
   if (systemError == EMFILE || systemError == ENFILE) return "too many files are open" + system;
   return "it cannot be opened" + system + ". Does its folder exist, and may you read and write there?";
+}
+
+/// At most a page of zeros: the power failed before the first page was on the disk.
+bool isBlank(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes(kPageBytes + 1, '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  const auto read = static_cast<std::size_t>(in.gcount());
+  return read <= kPageBytes && bytes.find_first_not_of('\0') == std::string::npos;
 }
 
 /// Whether the log beside an empty database holds a map.
@@ -101,9 +111,11 @@ bool looksLikeMap(const std::string& path) {
   std::error_code error;
   if (fs::file_size(path, error) == 0) return !error;
   const auto head = readHead(path);
-  if (!head || head->applicationId == kApplicationId) return head.has_value();
-  // Nothing of a map that has just crashed is in its file yet: all of it is in the log.
-  const bool untouched = head->applicationId == 0 && head->logged && !head->hasTables;
+  if (!head) return isBlank(path);
+  if (head->applicationId == kApplicationId) return true;
+  // Nothing of a map whose making was cut off is in its file yet: there is nothing, or all of it is in the
+  // log.
+  const bool untouched = head->applicationId == 0 && !head->hasTables;
   const std::string log = realPath(path) + "-wal";
   return untouched && (!fs::exists(log) || fs::file_size(log) == 0 || logHoldsMap(path));
 }

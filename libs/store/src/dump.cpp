@@ -130,9 +130,9 @@ void dump(std::ostream& out, const map::MapHeader& header, const map::MapContent
     out << "path session " << p.session << " stamp " << exact(p.stamp) << " anchor " << p.anchor.value
         << " pose " << pose(p.T_anchor_robot) << '\n';
   for (const auto& d : drives)
-    out << "drive " << d.id << " session " << d.session << " source " << oneLine(d.source) << " first_image "
-        << d.fingerprint << " stamps " << exact(d.firstStamp) << ' ' << exact(d.lastStamp) << " first_record "
-        << d.firstRecord << " images " << d.images << (d.finished ? " finished" : " cut_off") << '\n';
+    out << "drive " << d.id << " session " << d.session << " first_image " << d.fingerprint << " stamps "
+        << exact(d.firstStamp) << ' ' << exact(d.lastStamp) << " first_record " << d.firstRecord << " images "
+        << d.images << (d.finished ? " finished" : " cut_off") << '\n';
   for (const auto& r : records) out << "record " << base::forTerminal(toJson(r, false)) << '\n';
 }
 

@@ -46,9 +46,10 @@ void MapReader::checkPicture(const map::View& view) {
 }
 
 void MapReader::requireLastRecord(const MapState& state) {
-  if (state.records == 0) return;
   const auto last = database_.number("SELECT ifnull(max(id), -1) FROM records");
-  if (static_cast<std::uint64_t>(last) + 1 != state.nextRecord())
+  const bool fits =
+      state.records == 0 ? last < 0 : static_cast<std::uint64_t>(last) + 1 == state.nextRecord();
+  if (!fits)
     throw base::Error("map '" + database_.path() + "' is damaged: record " + std::to_string(last) +
                       " is the last one where " + std::to_string(state.nextRecord()) + " were written");
 }

@@ -66,11 +66,14 @@ class Builder {
 
   /// A place whose memory is lost stays: its pose holds the graph and the path together.
   void dropBadPlaces() {
+    const types::Descriptors none(from_.header.descriptorKind, from_.header.descriptorDim);
     for (auto& [id, place] : content_.places) {
-      if (from_.memories.contains(id.value)) continue;
+      const types::Descriptors& kept = place.memory.features.descriptors;
+      const bool fits = kept.kind() == none.kind() && kept.dim() == none.dim();
+      if (fits && from_.memories.contains(id.value)) continue;
       bad("memory").insert(id.value);
-      place.memory.features.descriptors =
-          types::Descriptors(from_.header.descriptorKind, from_.header.descriptorDim);
+      place.memory = {};
+      place.memory.features.descriptors = none;
     }
     std::erase_if(content_.places, [&](const auto& item) {
       if (map::brokenRule(item.second).empty()) return false;

@@ -128,6 +128,21 @@ void readPlaces(Database& database, const MapState& s, Salvage& out) {
   });
 }
 
+/// Where the header is lost, the memories tell what it said of their descriptors. Where they are lost too,
+/// nothing is left that any value could contradict.
+void inferDescriptors(Salvage& out) {
+  map::MapHeader& h = out.header;
+  if (!out.lostHeaders.contains("descriptor_kind") && !out.lostHeaders.contains("descriptor_dim")) return;
+  h.descriptorDim = std::max(1, h.descriptorDim);
+  for (const auto& [id, place] : out.content.places) {
+    const types::Descriptors& kept = place.memory.features.descriptors;
+    if (!out.memories.contains(id.value) || kept.dim() == 0) continue;
+    h.descriptorKind = kept.kind();
+    h.descriptorDim = kept.dim();
+    return;
+  }
+}
+
 void readGraph(Database& database, const MapState& s, Salvage& out) {
   readRows(database, out, {"views", "view", "data", s.nextView}, [&](std::uint64_t id, Statement& row) {
     map::View view = decodeView(row.blob(1), id);
@@ -167,6 +182,7 @@ Salvage salvage(Database& database) {
   readState(database, out);
   const MapState limits = out.state.value_or(unknownState());
   readPlaces(database, limits, out);
+  inferDescriptors(out);
   readGraph(database, limits, out);
   readDrives(database, limits, out);
   return out;
