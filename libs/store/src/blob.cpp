@@ -27,6 +27,11 @@ std::uint32_t crc32Of(const std::string& text) {
   return crc32Of({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
+void BlobWriter::raw(const void* data, std::size_t size) {
+  const auto* bytes = static_cast<const std::uint8_t*>(data);
+  bytes_.insert(bytes_.end(), bytes, bytes + size);
+}
+
 void BlobWriter::varint(std::uint64_t value) {
   for (; value >= 0x80; value >>= 7) bytes_.push_back(static_cast<std::uint8_t>(value | 0x80));
   bytes_.push_back(static_cast<std::uint8_t>(value));

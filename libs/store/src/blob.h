@@ -38,18 +38,12 @@ std::uint32_t crc32Of(const std::string& text);
 /// Builds a row: kind, version, fields, checksum.
 class BlobWriter {
  public:
-  BlobWriter(RowKind kind, std::uint8_t version) {
-    put(static_cast<std::uint8_t>(kind));
-    put(version);
-  }
+  BlobWriter(RowKind kind, std::uint8_t version) : bytes_{static_cast<std::uint8_t>(kind), version} {}
 
   template <class T>
   requires std::is_arithmetic_v<T>
   void put(T value) { raw(&value, sizeof value); }
-  void raw(const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const std::uint8_t*>(data);
-    bytes_.insert(bytes_.end(), bytes, bytes + size);
-  }
+  void raw(const void* data, std::size_t size);
   void text(const std::string& s) {
     varint(s.size());
     raw(s.data(), s.size());

@@ -4,6 +4,7 @@
 
 #include "database.h"
 #include "engram/base/error.h"
+#include "engram/base/text.h"
 #include "engram/store/map_copy.h"
 #include "schema.h"
 
