@@ -4,11 +4,13 @@
 
 #include "engram/base/error.h"
 #include "engram/capture/clock_map.h"
+#include "engram/capture/discovery.h"
 #include "engram/capture/loss_counter.h"
 #include "engram/capture/stereo_pairer.h"
 #include "engram/capture/watchdog.h"
 #include "gige_camera.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -259,7 +261,13 @@ class GigeGrabber::Impl {
   /// without an address are Aravis' own, of which there are as many as are opened.
   void requireAnother(const CameraSettings& left) const {
     const std::string& right = params_.right_camera;
-    if (!left.address.empty() && (right == left.id || right == left.address))
+    if (left.address.empty()) return;
+    const auto cameras = discover();
+    const bool same =
+        right == left.address || std::any_of(cameras.begin(), cameras.end(), [&](const CameraInfo& c) {
+          return c.id == right && c.address == left.address;
+        });
+    if (same)
       throw base::ConfigError("right_camera: '" + right + "' is the left camera too; name another one");
   }
 

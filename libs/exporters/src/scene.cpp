@@ -8,7 +8,6 @@
 #include "engram/map/picture.h"
 
 #include <mrpt/io/CMemoryStream.h>
-#include <mrpt/io/zip.h>
 #include <mrpt/opengl/CGridPlaneXY.h>
 #include <mrpt/opengl/COpenGLScene.h>
 #include <mrpt/opengl/CPointCloudColoured.h>
@@ -25,6 +24,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <zlib.h>
 
 namespace engram::exporters {
 namespace {
@@ -217,6 +217,23 @@ gl::COpenGLScene sceneOf(const map::TopologicalMap& map, bool withImages) {
   return scene;
 }
 
+/// MRPT's own function goes through a file in /tmp, and does not notice when that disk is full.
+std::string gzipped(const void* data, std::size_t size) {
+  constexpr int kGzip = 15 + 16;  // window bits, with the header of gzip
+  z_stream stream{};
+  deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzip, 8, Z_DEFAULT_STRATEGY);
+  std::string packed(deflateBound(&stream, size), '\0');
+  stream.next_in = static_cast<Bytef*>(const_cast<void*>(data));
+  stream.avail_in = static_cast<uInt>(size);
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  const int result = deflate(&stream, Z_FINISH);
+  packed.resize(packed.size() - stream.avail_out);
+  deflateEnd(&stream);
+  if (result != Z_STREAM_END) throw base::Error("the scene cannot be compressed");
+  return packed;
+}
+
 }  // namespace
 
 void writeScene(const std::string& path, const map::TopologicalMap& map, const SceneOptions& options) {
@@ -226,11 +243,7 @@ void writeScene(const std::string& path, const map::TopologicalMap& map, const S
   mrpt::io::CMemoryStream memory;
   mrpt::serialization::archiveFrom(memory) << sceneOf(map, options.images);
   mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(jpegWasOff);
-  const auto* bytes = static_cast<const std::uint8_t*>(memory.getRawBufferData());
-  std::vector<std::uint8_t> packed;
-  if (!mrpt::io::zip::compress_gz_data_block({bytes, bytes + memory.getTotalBytesCount()}, packed))
-    throw base::Error(path + ": the scene cannot be compressed");
-  base::writeText(path, {reinterpret_cast<const char*>(packed.data()), packed.size()}, options.overwrite);
+  base::writeText(path, gzipped(memory.getRawBufferData(), memory.getTotalBytesCount()), options.overwrite);
 }
 
 }  // namespace engram::exporters

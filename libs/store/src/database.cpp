@@ -150,7 +150,9 @@ void Database::beginWriting() {
   if (code != SQLITE_OK) fail(code);
 }
 
-Database::Database() : path_(":memory:") { connect(path_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY); }
+Database::Database(std::string name) : path_(std::move(name)) {
+  connect(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY);
+}
 
 void Database::Close::operator()(sqlite3* handle) const { sqlite3_close(handle); }
 

@@ -47,8 +47,8 @@ class Database {
   /// kDamaged opens what SQLite opens at all, without looking into it: for a copy of one's own.
   enum class Mode { kCreate, kReadWrite, kReadOnly, kDamaged };
   Database(const std::string& path, Mode mode);
-  /// An empty one in memory.
-  Database();
+  /// An empty one in memory. `name` is for messages.
+  explicit Database(std::string name);
   ~Database() = default;
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;

@@ -4,7 +4,6 @@
 
 #include "database.h"
 #include "engram/base/error.h"
-#include "engram/base/text.h"
 #include "engram/store/map_copy.h"
 #include "schema.h"
 
@@ -37,7 +36,11 @@ bool folderIsReadOnly(const std::string& path) {
   return faccessat(AT_FDCWD, fs::absolute(path).parent_path().c_str(), W_OK, AT_EACCESS) != 0;
 }
 
-std::string logName(const std::string& path) { return "'" + realPath(path) + "-wal'"; }
+std::string logName(const std::string& path) {
+  std::string name(1, '\'');
+  name += realPath(path);
+  return name += "-wal'";
+}
 
 std::string whyDamaged(const std::string& path) {
   const auto head = readHead(path);

@@ -372,8 +372,9 @@ void MapFile::close() {
   if (!impl_->database) return;
   {
     const std::unique_ptr<Database> database = std::move(impl_->database);
-    const bool written = impl_->ready || fs::exists(impl_->name + "-wal");
-    if (impl_->writable && written) database->foldLog();
+    const bool logged = fs::exists(impl_->name + "-wal");  // another writer has left it
+    if (impl_->writable && !impl_->ready && logged) database->beginWriting();
+    if (impl_->writable && (impl_->ready || logged)) database->foldLog();
   }
   impl_->lock.reset();
 }

@@ -63,7 +63,7 @@ void disarm(sqlite3* connection) {
 }
 
 void requireSchema(Database& database, const char* statements) {
-  Database model;
+  Database model(database.path());
   model.execute(statements);
   const Schema expected = schemaOf(model), found = schemaOf(database);
   std::set<std::int64_t> pages;
