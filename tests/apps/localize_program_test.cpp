@@ -188,11 +188,13 @@ TEST_F(LocalizeTest, BadInputIsNamed) {
   expectError(localize({config(), "--map", path("no.engram"), "--rawlog", rawlog(2)}), "no.engram");
   expectError(run({}, path("none.rawlog")), "none.rawlog: no such file");
   writeBytes(path("l.csv"), "precious");
-  expectError(run({"--out", path("l.csv")}, rawlog(2)), "l.csv: exists already; choose another name or give --overwrite");
+  expectError(run({"--out", path("l.csv")}, rawlog(2)),
+              "l.csv: exists already; choose another name or give --overwrite");
   EXPECT_EQ(bytesOf(path("l.csv")), "precious");
   fs::create_directory(path("r"));
   writeBytes(path("r/images.jsonl"), "precious");
-  expectError(run({"--report", path("r")}, rawlog(2)), "images.jsonl: exists already; choose another name or give --overwrite");
+  expectError(run({"--report", path("r")}, rawlog(2)),
+              "images.jsonl: exists already; choose another name or give --overwrite");
   EXPECT_EQ(bytesOf(path("r/images.jsonl")), "precious");
   expectError(run({"--set", "place.spacing=far"}, rawlog(2)), "--set");
   expectError(run({"--truth", path("none.tum")}, rawlog(2)), "none.tum");

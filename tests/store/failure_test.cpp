@@ -121,7 +121,9 @@ class FailureTest : public StoreTest {
         EXPECT_THAT(found, AnyOf(at(done), at(done + 1)));
       EXPECT_NO_THROW(file.close());
     }
-    EXPECT_FALSE(std::filesystem::exists(name + "-wal"));
+    std::error_code none;  // an empty log that could not be deleted holds nothing
+    const auto logged = std::filesystem::file_size(name + "-wal", none);
+    EXPECT_TRUE(none || logged == 0) << logged;
   }
 
   /// The map was never reported as made: there is none, or one without images, and it can be made anew.

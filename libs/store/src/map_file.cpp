@@ -373,7 +373,6 @@ void MapFile::close() {
   {
     const std::unique_ptr<Database> database = std::move(impl_->database);
     const bool logged = fs::exists(impl_->name + "-wal");  // another writer has left it
-    if (impl_->writable && !impl_->ready && logged) database->beginWriting();
     if (impl_->writable && (impl_->ready || logged)) database->foldLog();
   }
   impl_->lock.reset();
