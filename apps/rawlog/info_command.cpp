@@ -138,7 +138,8 @@ void InfoCommand::print(std::ostream& out, const sources::RawlogSource& source,
   out << path_ << ": " << std::filesystem::file_size(path_) << " bytes\n";
   for (const auto& [name, labels] : stats.objects)
     for (const auto& [label, n] : labels)
-      out << "  " << name << (label.empty() ? "" : " " + base::quoted(label)) << ": " << n << "\n";
+      out << "  " << name << (label.empty() ? "" : " ") << (label.empty() ? "" : base::quoted(label)) << ": "
+          << n << "\n";
   if (images.images > 0) {
     out << "  images: " << images.images;
     for (const auto& [size, n] : images.sizes)

@@ -11,8 +11,6 @@
 namespace engram::sources {
 namespace {
 
-bool isFinite(const Pose2& pose) { return std::isfinite(pose.x + pose.y + pose.yaw); }
-
 double stampOf(const std::string& written, StampUnit unit) {
   const auto seconds = secondsOf(written, unit);
   if (!seconds) throw base::Error("the stamp '" + written + "' is no number of " + toString(unit));
