@@ -23,7 +23,7 @@ struct ClosureRecord {
   double distance = 0;           ///< true distance of the robot from the place [m]
   double turn = 0;               ///< true difference of heading [rad]
   bool right = false;
-  bool kept = true;  ///< the map holds it at the end
+  bool kept = true;                                    ///< the map holds it at the end
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of the robot, true [m]
 };
 
@@ -42,12 +42,12 @@ struct MappingRun {
   int places = 0;
   int recognised = 0, recognisedWrong = 0;  ///< images put to a place that was there; of these wrong ones
   std::vector<ClosureRecord> closures;
-  int restored = 0;  ///< closures that were refused at their image and entered later; not in the list
+  int restored = 0;        ///< closures that were refused at their image and entered later; not in the list
   double ateOdometry = 0;  ///< root mean square over the used images, after alignment in the plane [m]
   double ateBefore = 0;    ///< the same for the map as it grew, never relaxed
-  double ateMap = 0;       ///< as the Mapper left it
+  double ateMap = 0;       ///< as the pipeline left it
   std::map<std::string, RelaxerResult> after;  ///< by relaxer: the same map, relaxed at the end
-  double cpuSeconds = 0;                       ///< of the Mapper, all images
+  double cpuSeconds = 0;                       ///< of the pipeline, all images
 
   /// Positions of the used images, aligned with the truth [m].
   using Path = std::vector<Eigen::Vector2d>;

@@ -6,7 +6,7 @@
 #include "engram/base/interrupt.h"
 #include "engram/base/line_file.h"
 #include "engram/base/progress.h"
-#include "engram/pipeline/localizer.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
 #include "engram/store/report_json.h"
 
@@ -68,7 +68,9 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   makeFolder(report_);
 
   std::optional<store::MapFile> file = store::MapFile::open(map_, store::Access::kReadOnly);
-  pipeline::Localizer localizer(config_.pipeline, file->load(), adapt_);
+  const pipeline::Use use = adapt_ ? pipeline::Use::kAdapting : pipeline::Use::kFrozen;
+  pipeline::Pipeline localizer(config_.pipeline, file->load(), use);
+  map::Cursor stored = localizer.map().now();
   store::requireCompatible(file->header(), localizer.header(), map_);
   if (adapt_) {
     file.reset();  // a map that is refused keeps every byte
@@ -93,7 +95,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     types::FrameReport report = localizer.process(*frame);
     input_.annotate(report);
     stream_.sendLocalised(report, localizer.map());
-    if (adapt_) file->commit(localizer.map(), localizer.map().takeChanges(), &report);
+    if (adapt_) file->commit(localizer.map(), localizer.map().changesSince(stored), &report);
     figures.add(report);
     window_.after(*frame, report, localizer.map());
     if (records.wanted()) records.add(store::toJson(report));
@@ -102,7 +104,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   progress.finish();
   if (adapt_) {
     figures.addLearnt(localizer.finish().size());
-    file->commit(localizer.map(), localizer.map().takeChanges(), nullptr);
+    file->commit(localizer.map(), localizer.map().changesSince(stored), nullptr);
     file->close();
   }
   const int code = conclude(figures, out, err);

@@ -72,10 +72,10 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   if (extend_) file = store::MapFile::open(path, store::Access::kReadOnly);
   map::TopologicalMap known;
   if (file) known = file->load();
+  map::Cursor stored = known.now();
   const int keep = config_.pipeline.upkeep.keep_drives;
   if (keep > 0) known.forgetPath(known.nextSession() - keep);
-  const auto builder = pipeline::makeMapBuilder(config_.pipeline, std::move(known));
-  pipeline::MapBuilder& mapper = *builder;
+  pipeline::Pipeline mapper(config_.pipeline, std::move(known));
   if (file) {
     store::requireCompatible(file->header(), mapper.header(), path);
     file.reset();  // a map that is refused keeps every byte
@@ -92,9 +92,9 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     types::FrameReport report = mapper.process(*frame);
     input_.annotate(report);
     stream_.sendMapped(report, *frame, mapper.map());
-    if (truth) truth->survey(mapper.map(), report);
+    if (truth) truth->survey(mapper, report);
     if (!file) file = createMap(path, mapper, *frame);
-    file->commit(mapper.map(), mapper.map().takeChanges(), &report);
+    file->commit(mapper.map(), mapper.map().changesSince(stored), &report);
     figures.add(report, mapper.map(), truth ? &*truth : nullptr);
     window_.after(*frame, report, mapper.map());
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
@@ -105,11 +105,11 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     throw base::Error(input_.problem().empty() ? "no images" : input_.problem());
   }
   mapper.finish();
-  file->commit(mapper.map(), mapper.map().takeChanges());
+  file->commit(mapper.map(), mapper.map().changesSince(stored));
   return conclude(*file, mapper, figures, truth ? &*truth : nullptr, out, err);
 }
 
-store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::MapBuilder& mapper,
+store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::Pipeline& mapper,
                                       const types::Frame& first) {
   map::MapHeader header = mapper.header();
   header.parameters = config_.dumpForMap();
@@ -117,7 +117,7 @@ store::MapFile SlamProgram::createMap(const std::string& path, const pipeline::M
   return store::MapFile::create(path, header, overwrite_);
 }
 
-int SlamProgram::conclude(store::MapFile& file, const pipeline::MapBuilder& mapper, SlamFigures& figures,
+int SlamProgram::conclude(store::MapFile& file, const pipeline::Pipeline& mapper, SlamFigures& figures,
                           const MapTruth* truth, std::ostream& out, std::ostream& err) {
   const map::TopologicalMap& map = mapper.map();
   if (truth && truth->hasPoses())

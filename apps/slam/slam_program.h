@@ -8,7 +8,7 @@
 #include "engram/apps/run_input.h"
 #include "engram/apps/run_stream.h"
 #include "engram/apps/run_window.h"
-#include "engram/pipeline/map_builder.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
 #include "slam_figures.h"
 
@@ -28,9 +28,9 @@ class SlamProgram : public Program {
 
  private:
   std::string mapPath() const;
-  store::MapFile createMap(const std::string& path, const pipeline::MapBuilder& mapper,
+  store::MapFile createMap(const std::string& path, const pipeline::Pipeline& mapper,
                            const types::Frame& first);
-  int conclude(store::MapFile& file, const pipeline::MapBuilder& mapper, SlamFigures& figures,
+  int conclude(store::MapFile& file, const pipeline::Pipeline& mapper, SlamFigures& figures,
                const MapTruth* truth, std::ostream& out, std::ostream& err);
   void writeReport(const store::MapFile& file, const map::TopologicalMap& map) const;
 

@@ -27,9 +27,10 @@ MapTruth::MapTruth(const std::string& path, const evaluation::TruthOptions& opti
   if (hasPoses()) poses_ = evaluation::readTum(path);
 }
 
-void MapTruth::survey(map::TopologicalMap& map, const types::FrameReport& report) const {
+void MapTruth::survey(pipeline::Pipeline& mapper, const types::FrameReport& report) const {
   if (!hasPoses() || report.outcome != types::Outcome::kNewPlace) return;
-  if (const auto pose = evaluation::poseAt(poses_, report.stamp)) map.survey(report.place, *pose);
+  if (!mapper.map().places().contains(report.place)) return;  // it came and went
+  if (const auto pose = evaluation::poseAt(poses_, report.stamp)) mapper.survey(report.place, *pose);
 }
 
 evaluation::Verdict MapTruth::judgeClosure(const map::TopologicalMap& map, const types::FrameReport& report,

@@ -167,4 +167,12 @@ map::MapHeader Perception::mapHeader(const std::string& memoryModel) const {
   return header;
 }
 
+types::Features viewFeatures(const Perception& perception, const types::StereoPair& pair, int most) {
+  const types::Features all = perception(pair);
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < all.size() && kept.size() < static_cast<std::size_t>(most); ++i)
+    if (all.ranges[i] > 0) kept.push_back(static_cast<int>(i));
+  return all.subset(kept);
+}
+
 }  // namespace engram::pipeline

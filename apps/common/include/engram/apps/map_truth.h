@@ -6,6 +6,7 @@
 #include "engram/evaluation/trajectory.h"
 #include "engram/evaluation/truth.h"
 #include "engram/map/topological_map.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/types/frame_report.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -31,7 +32,7 @@ class MapTruth {
   const evaluation::Trajectory& poses() const { return poses_; }
 
   /// Keeps the true pose of a place that the image of this report made, for later evaluation.
-  void survey(map::TopologicalMap& map, const types::FrameReport& report) const;
+  void survey(pipeline::Pipeline& mapper, const types::FrameReport& report) const;
 
   /// Is a loop closure from this image to this place real?
   evaluation::Verdict judgeClosure(const map::TopologicalMap& map, const types::FrameReport& report,

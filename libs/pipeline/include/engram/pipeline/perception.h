@@ -99,4 +99,7 @@ class Perception {
   bool checkedFirst_ = false;
 };
 
+/// The features of a stereo view: the strongest whose range is known, at most so many (K-38).
+types::Features viewFeatures(const Perception& perception, const types::StereoPair& pair, int most);
+
 }  // namespace engram::pipeline
