@@ -21,8 +21,8 @@ struct Script {
   Part first, second;
 };
 
-/// Most drive once round the building, so that a loop closes; the second day begins in the middle. A stereo
-/// robot drives a few metres with the short steps that visual odometry needs.
+/// Most drive once round the building and on, so that a loop closes; the second day begins in the middle. A
+/// stereo robot drives a few metres with the short steps that visual odometry needs.
 Script scriptOf(const std::string& eye) {
   if (eye == "stereo") return {0.10, {0, 30}, {10, 34}};
   if (eye == "pano") return {0.5, {0, 8}, {3, 8}};
@@ -51,6 +51,7 @@ GoldenDrives renderBoth(const std::string& eye) {
   params.drive.spacing = script.spacing;
   params.drive.turn_spacing = script.spacing;
   params.sensor.samples = 1;
+  params.drive.laps = 1.2;
   const world::World world = world::World::preset("tiny", params);
   return {render(world, eye, 1, script.first), render(world, eye, 2, script.second)};
 }

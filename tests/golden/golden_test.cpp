@@ -121,9 +121,8 @@ class GoldenRun {
     hashes_[key + " map"] = hashOf(dumpOf(map, header));
     hashes_[key + " decisions"] = hashOf(decisionsOf(reports));
     hashes_[key + " records"] = hashOf(linesOf(reports));
-    const std::string file = ::testing::TempDir() + "golden " + key + ".txt";
-    if (std::getenv("ENGRAM_GOLDEN_KEEP"))
-      base::writeText(file, dumpOf(map, header) + linesOf(reports), true);
+    if (const char* folder = std::getenv("ENGRAM_GOLDEN_KEEP"))  // to see what differs
+      base::writeText(std::string(folder) + "/" + key + ".txt", dumpOf(map, header) + linesOf(reports), true);
   }
 
   std::string name_;
