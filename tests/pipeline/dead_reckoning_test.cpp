@@ -22,31 +22,11 @@ Eigen::Isometry3d pose(double x, double y, double yaw) {
   return T;
 }
 
-Eigen::Isometry3d motion(const Vector6d& d) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.translation() = d.head<3>();
-  const Eigen::Vector3d r = d.tail<3>();
-  if (r.norm() > 0) T.linear() = Eigen::AngleAxisd(r.norm(), r.normalized()).toRotationMatrix();
-  return T;
-}
-
 Vector6d deviation(const Eigen::Isometry3d& T) {
   const Eigen::AngleAxisd r(T.linear());
   Vector6d d;
   d << T.translation(), r.angle() * r.axis();
   return d;
-}
-
-Vector6d draw(const types::Matrix6d& cov, base::Rng& rng) {
-  Vector6d n;
-  for (int i = 0; i < 6; ++i) n[i] = rng.normal();
-  return cov.llt().matrixL() * n;
-}
-
-types::Matrix6d someCovariance(base::Rng& rng, double sigma) {
-  types::Matrix6d A;
-  for (int i = 0; i < 36; ++i) A.data()[i] = rng.normal();
-  return sigma * sigma * (A * A.transpose() / 6 + 0.2 * types::Matrix6d::Identity());
 }
 
 /// Sample covariance of `deviations()` over many draws.
@@ -57,51 +37,6 @@ types::Matrix6d monteCarlo(int draws, const std::function<Vector6d()>& sample) {
     sum += d * d.transpose();
   }
   return sum / draws;
-}
-
-/// Largest difference of two covariances in units of the deviations of `expected`.
-double worst(const types::Matrix6d& a, const types::Matrix6d& expected) {
-  const Vector6d s = expected.diagonal().cwiseSqrt().cwiseInverse();
-  return (s.asDiagonal() * (a - expected) * s.asDiagonal()).cwiseAbs().maxCoeff();
-}
-
-TEST(Compose, CovarianceAgreesWithMonteCarlo) {
-  base::Rng rng(1);
-  types::RelPose ab, bc;
-  ab.T_a_b = pose(2, -1, 0.7) * motion((Vector6d() << 0, 0, 0.3, 0.2, -0.4, 0).finished());
-  bc.T_a_b = pose(-1, 3, 2.1);
-  ab.cov = someCovariance(rng, 0.01);
-  bc.cov = someCovariance(rng, 0.015);
-  const types::RelPose ac = compose(ab, bc);
-  EXPECT_TRUE(ac.T_a_b.isApprox(ab.T_a_b * bc.T_a_b));
-  const auto sampled = monteCarlo(40000, [&] {
-    const auto T = ab.T_a_b * motion(draw(ab.cov, rng)) * bc.T_a_b * motion(draw(bc.cov, rng));
-    return deviation(ac.T_a_b.inverse() * T);
-  });
-  EXPECT_LT(worst(sampled, ac.cov), 0.04);
-  EXPECT_GT(worst(ab.cov + bc.cov, ac.cov), 0.3);  // the lever arm matters
-}
-
-TEST(Inverse, CovarianceAgreesWithMonteCarlo) {
-  base::Rng rng(2);
-  types::RelPose ab;
-  ab.T_a_b = pose(2, -1, 0.7);
-  ab.cov = someCovariance(rng, 0.01);
-  const types::RelPose ba = inverse(ab);
-  EXPECT_TRUE(ba.T_a_b.isApprox(ab.T_a_b.inverse()));
-  const auto sampled = monteCarlo(40000, [&] {
-    return deviation(ba.T_a_b.inverse() * (ab.T_a_b * motion(draw(ab.cov, rng))).inverse());
-  });
-  EXPECT_LT(worst(sampled, ba.cov), 0.04);
-  EXPECT_LT(worst(inverse(ba).cov, ab.cov), 1e-9);
-}
-
-TEST(Compose, ScaleIsLostWithEitherPart) {
-  types::RelPose metric, unit;
-  unit.hasScale = false;
-  EXPECT_TRUE(compose(metric, metric).hasScale);
-  EXPECT_FALSE(compose(metric, unit).hasScale);
-  EXPECT_FALSE(compose(unit, metric).hasScale);
 }
 
 TEST(PlanarCovariance, IsDiagonalAndNowhereBelowTheFloor) {

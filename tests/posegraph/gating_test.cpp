@@ -27,29 +27,6 @@ Constraint closure(std::uint32_t a, std::uint32_t b, const Eigen::Isometry3d& T)
   return constraint(a, b, T, isotropic(0.1, 0.02), true);
 }
 
-TEST(Uncertainty, ComposedCovarianceIsThatOfSamples) {
-  base::Rng rng(1);
-  const types::RelPose ab{.T_a_b = planarPose(2, 1, 0.7), .cov = randomCovariance(rng, 0.01)};
-  const types::RelPose bc{.T_a_b = expSe3(randomMotion(rng, 1, 0.3)), .cov = randomCovariance(rng, 0.02)};
-  const Eigen::LLT<types::Matrix6d> Lab(ab.cov), Lbc(bc.cov);
-  const auto sample = [&](const Eigen::LLT<types::Matrix6d>& L) {
-    Vector6d v;
-    for (int i = 0; i < 6; ++i) v[i] = rng.normal();
-    return Vector6d(L.matrixL() * v);
-  };
-  types::Matrix6d chain = types::Matrix6d::Zero(), back = types::Matrix6d::Zero();
-  const types::RelPose ac = compose(ab, bc), ba = inverse(ab);
-  const int n = 20000;
-  for (int i = 0; i < n; ++i) {
-    const Eigen::Isometry3d Tab = ab.T_a_b * expSe3(sample(Lab)), Tbc = bc.T_a_b * expSe3(sample(Lbc));
-    const Vector6d d = logSe3(ac.T_a_b.inverse() * Tab * Tbc), e = logSe3(ba.T_a_b.inverse() * Tab.inverse());
-    chain += d * d.transpose() / n;
-    back += e * e.transpose() / n;
-  }
-  EXPECT_LT((chain - ac.cov).norm(), 0.05 * ac.cov.norm());
-  EXPECT_LT((back - ba.cov).norm(), 0.05 * ba.cov.norm());
-}
-
 /// Both searches give, on a chain, the composition of its edges; the tree over a fork too.
 TEST(Uncertainty, TreeAndChainComposeTheEdges) {
   base::Rng rng(2);

@@ -75,19 +75,6 @@ TEST(SpanningTree, EveryPartGetsAnOriginAndGivenPosesStay) {
   EXPECT_TRUE(g.poses.at(p(9)).isApprox(planarPose(-1, 0, 0)));
 }
 
-TEST(Graph, LogarithmInvertsExponential) {
-  base::Rng rng(2);
-  for (int i = 0; i < 500; ++i) {
-    Vector6d v = randomMotion(rng, 3, 1) * std::pow(10.0, -(i % 9));
-    if (v.tail<3>().norm() > 3) continue;  // beyond pi it is not unique
-    EXPECT_NEAR((logSe3(expSe3(v)) - v).norm(), 0, 1e-9 * std::max(1.0, v.norm())) << v.transpose();
-  }
-  // The closed form of a quarter turn on a circle of radius 1.
-  Vector6d quarter;
-  quarter << M_PI / 2, 0, 0, 0, 0, M_PI / 2;
-  EXPECT_TRUE(expSe3(quarter).isApprox(planarPose(1, 1, M_PI / 2), 1e-12));
-}
-
 /// K-E1: the constraint takes coordinates in b to a.
 TEST(Graph, ResidualOfAKnownPairIsZero) {
   const types::RelPose measured{.T_a_b = planarPose(2, 0, M_PI / 2)};

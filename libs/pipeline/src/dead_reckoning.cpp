@@ -2,50 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/dead_reckoning.h"
 
+#include "engram/types/se3.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace engram::pipeline {
-namespace {
-
-/// Adjoint of T for perturbations d = (translation, rotation) on the right: T exp(d) T^-1 = exp(Ad d).
-types::Matrix6d adjoint(const Eigen::Isometry3d& T) {
-  const Eigen::Matrix3d R = T.linear();
-  const Eigen::Vector3d t = T.translation();
-  Eigen::Matrix3d cross;
-  cross << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
-  types::Matrix6d A = types::Matrix6d::Zero();
-  A.topLeftCorner<3, 3>() = R;
-  A.topRightCorner<3, 3>() = cross * R;
-  A.bottomRightCorner<3, 3>() = R;
-  return A;
-}
-
-}  // namespace
-
 types::Matrix6d planarCovariance(double sigmaX, double sigmaY, double sigmaYaw, double floor) {
   Eigen::Matrix<double, 6, 1> sigma;
   sigma << sigmaX, sigmaY, floor, floor, floor, sigmaYaw;
   return sigma.cwiseMax(floor).cwiseAbs2().asDiagonal();
-}
-
-types::RelPose compose(const types::RelPose& ab, const types::RelPose& bc) {
-  types::RelPose ac;
-  ac.T_a_b = ab.T_a_b * bc.T_a_b;
-  const types::Matrix6d A = adjoint(bc.T_a_b.inverse());
-  ac.cov = A * ab.cov * A.transpose() + bc.cov;
-  ac.cov = 0.5 * (ac.cov + ac.cov.transpose().eval());
-  ac.hasScale = ab.hasScale && bc.hasScale;
-  return ac;
-}
-
-types::RelPose inverse(const types::RelPose& ab) {
-  types::RelPose ba = ab;
-  ba.T_a_b = ab.T_a_b.inverse();
-  const types::Matrix6d A = adjoint(ab.T_a_b);
-  ba.cov = A * ab.cov * A.transpose();
-  ba.cov = 0.5 * (ba.cov + ba.cov.transpose().eval());
-  return ba;
 }
 
 void DeadReckoning::move(const std::optional<Eigen::Isometry3d>& T_odom_robot) {
@@ -61,7 +27,7 @@ void DeadReckoning::move(const std::optional<Eigen::Isometry3d>& T_odom_robot) {
     const double sigmaYaw = std::hypot(params_.sigma_heading_per_metre * std::sqrt(d),
                                        params_.sigma_heading_per_radian * std::sqrt(angle));
     step.cov = planarCovariance(sigma, sigma, sigmaYaw, 1e-6);
-    T_anchor_robot_ = compose(T_anchor_robot_, step);
+    T_anchor_robot_ = types::compose(T_anchor_robot_, step);
     distance_ += d;
     rotation_ += angle;
   }

@@ -4,6 +4,7 @@
 
 #include "engram/base/error.h"
 #include "engram/map/graph.h"
+#include "engram/types/se3.h"
 #include "step_timer.h"
 #include "thumbnail.h"
 
@@ -386,7 +387,7 @@ map::Edge Mapper::closureTo(const Work& work, const Candidate& candidate) const 
   edge.type = closureType(candidate.first);
   edge.a = anchor_;
   edge.b = candidate.first;
-  edge.T_a_b = compose(motionFrom(work, anchor_), inverse(atPlace(candidate)));
+  edge.T_a_b = types::compose(motionFrom(work, anchor_), types::inverse(atPlace(candidate)));
   return edge;
 }
 

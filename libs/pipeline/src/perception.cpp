@@ -5,7 +5,7 @@
 #include "engram/base/error.h"
 #include "engram/base/text.h"
 #include "engram/odometry/row_matcher.h"
-#include "engram/posegraph/graph.h"
+#include "engram/types/se3.h"
 #include "step_timer.h"
 
 #include <opencv2/imgproc.hpp>
@@ -29,12 +29,7 @@ void CameraParams::describe(base::Params& p) {
 }
 
 types::RelPose StereoCamera::ofRobot(const types::RelPose& T_eye_a_b) const {
-  types::RelPose T_a_b = T_eye_a_b;
-  T_a_b.T_a_b = T_robot_cam * T_eye_a_b.T_a_b * T_robot_cam.inverse();
-  const types::Matrix6d A = posegraph::adjoint(T_robot_cam);
-  T_a_b.cov = A * T_eye_a_b.cov * A.transpose();
-  T_a_b.cov = 0.5 * (T_a_b.cov + T_a_b.cov.transpose().eval());
-  return T_a_b;
+  return types::seenBy(T_robot_cam, T_eye_a_b);
 }
 
 Perception::Perception(CameraParams camera, const features::ExtractorParams& extractor)

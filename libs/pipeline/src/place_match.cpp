@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/place_match.h"
 
-#include "engram/posegraph/graph.h"
+#include "engram/types/se3.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,7 +83,7 @@ PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& 
   result.reason = v.reason;
   keepInliers(result, place, tentative, v.inliers);
   if (!v.ok()) return result;
-  const types::RelPose T_place_robot = camera.ofRobot(posegraph::inverse(v.T_a_b));
+  const types::RelPose T_place_robot = camera.ofRobot(types::inverse(v.T_a_b));
   result.T_place_robot = T_place_robot;
   result.R_place_view = T_place_robot.T_a_b.linear();
   result.direction_place = T_place_robot.T_a_b.translation().normalized();

@@ -5,6 +5,7 @@
 #include "engram/base/error.h"
 #include "engram/base/parallel.h"
 #include "engram/map/graph.h"
+#include "engram/types/se3.h"
 #include "step_timer.h"
 #include "thumbnail.h"
 
@@ -21,12 +22,6 @@ constexpr std::size_t kRelaxShare = 4;
 constexpr double kNearShare = 0.4;
 
 const types::RelPose kHere{.cov = types::Matrix6d::Zero()};
-
-/// Without the rounding that long chains of products gather.
-Eigen::Isometry3d rigid(Eigen::Isometry3d T) {
-  T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
-  return T;
-}
 
 odometry::StereoOdometry makeOdometry(const Perception& perception, const PipelineParams& params) {
   if (!perception.stereo())
@@ -131,7 +126,7 @@ bool ViewMapper::move(Work& work) {
   }
   if (lost_) return true;
   const auto T_anchor_robot =
-      posegraph::compose(T_anchor_keyframe_, perception_.stereo()->ofRobot(work.seen.T_keyframe_now));
+      types::compose(T_anchor_keyframe_, perception_.stereo()->ofRobot(work.seen.T_keyframe_now));
   if (tooFast(work, T_anchor_robot)) {
     lost_ = true;
     odometry_.reset();
@@ -233,7 +228,7 @@ std::optional<ViewMapper::Link> ViewMapper::linkTo(const Work& work, base::Place
 void ViewMapper::remember(Work& work) {
   const StepTimer timer(work.report, "remember");
   map::Place place;
-  place.T_map_place = rigid(guessedPose(work));
+  place.T_map_place = types::rigid(guessedPose(work));
   place.memory = memory_.start(work.features);
   place.createdStamp = work.frame.stamp;
   place.createdIndex = work.frame.index;
@@ -371,7 +366,7 @@ map::Edge ViewMapper::edgeOf(const Link& link, base::PlaceId view) const {
 }
 
 types::RelPose ViewMapper::floored(types::RelPose T) const {
-  T.T_a_b = rigid(T.T_a_b);
+  T.T_a_b = types::rigid(T.T_a_b);
   T.cov += types::Matrix6d::Identity() * params_.views.sigma_floor * params_.views.sigma_floor;
   return T;
 }
@@ -388,7 +383,7 @@ bool ViewMapper::join(base::PlaceId a, base::PlaceId b, const Eigen::Isometry3d&
   for (auto& [id, part] : partOf_) {
     if (part != std::max(partA, partB)) continue;
     part = std::min(partA, partB);
-    moved[id] = rigid(T_new_old * map_.place(id).T_map_place);
+    moved[id] = types::rigid(T_new_old * map_.place(id).T_map_place);
   }
   map_.setPoses(moved);
   return true;

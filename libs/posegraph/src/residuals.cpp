@@ -18,8 +18,9 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using types::inverseLeftJacobian;
 using types::Matrix6d;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
+using types::Vector6d;
 using Matrix67 = Eigen::Matrix<double, 6, 7, Eigen::RowMajor>;
 
 /// W with W^T W = cov^-1; none when cov is not positive definite.
@@ -31,47 +32,11 @@ std::optional<Eigen::Matrix<double, n, n>> whitening(const Eigen::Matrix<double,
   return Matrix(llt.matrixL().solve(Matrix::Identity()));
 }
 
-Matrix3d skew(const Vector3d& w) {
-  Matrix3d m;
-  m << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
-  return m;
-}
-
 Vector3d rotationVector(const Eigen::Quaterniond& q) {
   const double wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
   Vector3d w;
   ceres::QuaternionToAngleAxis(wxyz, w.data());
   return w;
-}
-
-/// Inverse of the left Jacobian of SO(3): log(exp(d) exp(w)) = w + J d.
-Matrix3d inverseLeftJacobian(const Vector3d& w) {
-  const double square = w.squaredNorm(), angle = std::sqrt(square);
-  const double k = angle < 1e-3 ? 1.0 / 12 + square / 720
-                                : 1 / square - (1 + std::cos(angle)) / (2 * angle * std::sin(angle));
-  const Matrix3d W = skew(w);
-  return Matrix3d::Identity() - 0.5 * W + k * W * W;
-}
-
-/// Inverse of the left Jacobian of SE(3), translation before rotation (Barfoot, State Estimation for
-/// Robotics, eq 7.86 and 7.95).
-Matrix6d inverseLeftJacobian(const Vector6d& v) {
-  const Matrix3d R = skew(v.head<3>()), W = skew(v.tail<3>());
-  const double square = v.tail<3>().squaredNorm(), a = std::sqrt(square);
-  double c1 = 1.0 / 6 - square / 120, c2 = 1.0 / 24 - square / 720, c3 = 1.0 / 120 - square / 2520;
-  if (a > 0.05) {
-    c1 = (a - std::sin(a)) / (square * a);
-    c2 = (square + 2 * std::cos(a) - 2) / (2 * square * square);
-    c3 = (2 * a - 3 * std::sin(a) + a * std::cos(a)) / (2 * square * square * a);
-  }
-  const Matrix3d WR = W * R, RW = R * W, WRW = WR * W, WW = W * W;
-  const Matrix3d Q =
-      0.5 * R + c1 * (WR + RW + WRW) + c2 * (WW * R + R * WW - 3 * WRW) + c3 * (WRW * W + W * WRW);
-  const Matrix3d J = inverseLeftJacobian(Vector3d(v.tail<3>()));
-  Matrix6d out = Matrix6d::Zero();
-  out.topLeftCorner<3, 3>() = out.bottomRightCorner<3, 3>() = J;
-  out.topRightCorner<3, 3>() = -J * Q * J;
-  return out;
 }
 
 /// SE(2) with scale, derivatives by hand.

@@ -98,8 +98,7 @@ void TrustedTree::attach(const Graph& trusted, std::uint32_t parent, std::uint32
   root_[child] = root_[parent];
   depth_[child] = depth_[parent] + 1;
   T_root_[child] = T_root_[parent] * step.T_a_b;
-  const types::Matrix6d A = adjoint(T_root_[child]);
-  P_[child] = P_[parent] + A * step.cov * A.transpose();
+  P_[child] = P_[parent] + types::transported(step.cov, adjoint(T_root_[child]));
   for (std::uint32_t at = parent, level = 0;; ++level) {
     up_[child].push_back(at);
     if (up_[at].size() <= level) break;
@@ -123,8 +122,8 @@ std::optional<types::RelPose> TrustedTree::between(std::uint32_t i, std::uint32_
   if (root_[i] != root_[j]) return std::nullopt;
   const std::uint32_t top = commonAncestor(i, j);
   const types::Matrix6d A = adjoint(T_root_[j].inverse());
-  const types::Matrix6d cov = A * (P_[i] + P_[j] - 2 * P_[top]) * A.transpose();
-  return types::RelPose{.T_a_b = T_root_[i].inverse() * T_root_[j], .cov = (cov + cov.transpose()) / 2};
+  return types::RelPose{.T_a_b = T_root_[i].inverse() * T_root_[j],
+                        .cov = types::transported(P_[i] + P_[j] - 2 * P_[top], A)};
 }
 
 std::optional<Test> testCycle(const TrustedTree& tree, const Constraint& first, const Constraint& second,
@@ -176,8 +175,7 @@ std::optional<types::Matrix6d> ChainFinder::covariance(std::uint32_t a, std::uin
   for (std::uint32_t at = b; at != a;) {
     const Constraint& c = graph_.constraints[via_[at]];
     const std::uint32_t end = index_.b(via_[at]);
-    const types::Matrix6d A = adjoint(T_b_map * T_map_[end]);
-    cov += A * c.T_a_b.cov * A.transpose();
+    cov += types::transported(c.T_a_b.cov, adjoint(T_b_map * T_map_[end]));
     at = end == at ? index_.a(via_[at]) : end;
   }
   return cov;

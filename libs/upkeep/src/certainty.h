@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engram/map/map_content.h"
-#include "engram/posegraph/graph.h"
+#include "engram/types/se3.h"
 
 namespace engram::upkeep {
 
@@ -12,7 +12,7 @@ inline double variance(const types::RelPose& pose) { return pose.cov.trace(); }
 
 /// What an edge says about its other end, seen from `from`.
 inline types::RelPose seenFrom(base::PlaceId from, const map::Edge& edge) {
-  return edge.a == from ? edge.T_a_b : posegraph::inverse(edge.T_a_b);
+  return edge.a == from ? edge.T_a_b : types::inverse(edge.T_a_b);
 }
 
 }  // namespace engram::upkeep

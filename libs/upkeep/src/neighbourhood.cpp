@@ -42,7 +42,7 @@ std::vector<NearPlace> neighbourhood(const map::TopologicalMap& map, PlaceId vie
     const auto [sum, place, parent, edge] = queue.top();
     queue.pop();
     if (T_view.contains(place)) continue;
-    const types::RelPose T = posegraph::compose(T_view.at(parent), seenFrom(parent, map.edge(edge)));
+    const types::RelPose T = types::compose(T_view.at(parent), seenFrom(parent, map.edge(edge)));
     if (T.cov.topLeftCorner<3, 3>().trace() <= maxVariance) reach(sum, place, T);
   }
 

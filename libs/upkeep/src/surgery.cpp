@@ -76,7 +76,7 @@ map::Edge bridge(const Arm& heir, const Arm& arm, std::size_t uses) {
   if (heir.guess || arm.guess) edge.type = map::EdgeType::kWeak;
   edge.a = heir.to;
   edge.b = arm.to;
-  edge.T_a_b = posegraph::compose(posegraph::inverse(T_gone_heir), arm.T_gone_to);
+  edge.T_a_b = types::compose(types::inverse(T_gone_heir), arm.T_gone_to);
   // A direction and a length, or two directions, make no direction.
   if (!edge.T_a_b.hasScale) edge.T_a_b.T_a_b.translation().setZero();
   return edge;

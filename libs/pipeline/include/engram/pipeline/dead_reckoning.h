@@ -49,10 +49,6 @@ class DeadReckoning {
   bool present_ = false, presentAtAnchor_ = false, presentAtKeyframe_ = false;  // odometry
 };
 
-/// T_a_b * T_b_c with the covariance of the product; the factors are independent (K-12 with K-E3).
-types::RelPose compose(const types::RelPose& ab, const types::RelPose& bc);
-/// T_b_a with its covariance.
-types::RelPose inverse(const types::RelPose& ab);
 /// Diagonal covariance; variances in x, y [m²] and yaw [rad²]; height, roll and pitch are held by `floor`.
 types::Matrix6d planarCovariance(double sigmaX, double sigmaY, double sigmaYaw, double floor);
 

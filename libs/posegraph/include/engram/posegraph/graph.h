@@ -4,6 +4,7 @@
 
 #include "engram/base/ids.h"
 #include "engram/types/rel_pose.h"
+#include "engram/types/se3.h"
 
 #include <Eigen/Geometry>
 
@@ -14,6 +15,11 @@
 namespace engram::posegraph {
 
 using base::PlaceId;
+using types::adjoint;
+using types::compose;
+using types::expSe3;
+using types::inverse;
+using types::logSe3;
 
 /// A measured relative pose.
 struct Constraint {
@@ -42,18 +48,7 @@ void addMissingPoses(Graph& graph, double metresPerRadian = 1.0);
 
 /// Residual of a constraint with scale: Log(T_a_b^-1 T_map_a^-1 T_map_b), translation [m] before rotation
 /// [rad] (K-E2).
-Eigen::Matrix<double, 6, 1> residual(const types::RelPose& T_a_b, const Eigen::Isometry3d& T_map_a,
-                                     const Eigen::Isometry3d& T_map_b);
-
-/// Takes a small motion d of a frame to the frame that T leads to: T exp(d) = exp(adjoint(T) d) T.
-types::Matrix6d adjoint(const Eigen::Isometry3d& T);
-
-/// One motion after the other, and the motion back; covariances to first order, as independent (K-12).
-types::RelPose compose(const types::RelPose& T_a_b, const types::RelPose& T_b_c);
-types::RelPose inverse(const types::RelPose& T_a_b);
-
-/// SE(3) logarithm (translation part, rotation vector) and its inverse.
-Eigen::Matrix<double, 6, 1> logSe3(const Eigen::Isometry3d& T);
-Eigen::Isometry3d expSe3(const Eigen::Matrix<double, 6, 1>& v);
+types::Vector6d residual(const types::RelPose& T_a_b, const Eigen::Isometry3d& T_map_a,
+                         const Eigen::Isometry3d& T_map_b);
 
 }  // namespace engram::posegraph
