@@ -42,7 +42,8 @@ TEST(ViewSearch, FindsEveryViewBeforeAndAfterItsTreeIsThere) {
   map::TopologicalMap map;
   ViewSearch search(params());
   for (std::uint64_t k = 0; k < 50; ++k) {
-    search.add(map, addView(map, k));
+    addView(map, k);
+    search.follow(map);
     EXPECT_EQ(search.hasTree(), k >= 29) << "trained from 10 on, in use 20 views later: " << k;
     for (std::uint64_t j = 0; j <= k; j += 7) {
       const auto found = search.find(
@@ -58,10 +59,14 @@ TEST(ViewSearch, ForgetsWhatTheMapForgets) {
   for (const int views : {8, 45}) {  // without and with a tree
     map::TopologicalMap map;
     ViewSearch search(params());
-    for (int k = 0; k < views; ++k) search.add(map, addView(map, static_cast<std::uint64_t>(k)));
+    for (int k = 0; k < views; ++k) {
+      addView(map, static_cast<std::uint64_t>(k));
+      search.follow(map);
+    }
     const base::PlaceId gone(3);
     const types::Features image = map.place(gone).memory.features;
-    search.remove(gone);
+    map.removePlace(gone, base::PlaceId(4));
+    search.follow(map);
     for (const auto& found : search.find(image)) EXPECT_NE(found.view, gone);
   }
 }

@@ -12,11 +12,7 @@
 namespace engram::map {
 namespace {
 
-template <class Id>
-void sortUnique(std::vector<Id>& ids) {
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-}
+using Kind = Journal::Kind;
 
 /// The next free number; throws when a map, which never uses one again, has none left.
 std::uint32_t take(std::uint32_t& next) {
@@ -30,12 +26,6 @@ std::string ends(const Edge& edge) {
 
 }  // namespace
 
-bool MapChanges::empty() const {
-  return places.empty() && memories.empty() && views.empty() && edges.empty() && removedPlaces.empty() &&
-         removedViews.empty() && removedEdges.empty() && movedPathPoints.empty() && !pathForgotten &&
-         firstNewPathPoint == pathSize;
-}
-
 TopologicalMap::TopologicalMap(MapContent content) : content_(std::move(content)) {
   checkInvariants();
   for (const auto& [id, place] : content_.places) holds_[id];
@@ -45,7 +35,7 @@ TopologicalMap::TopologicalMap(MapContent content) : content_(std::move(content)
     holds_[edge.b].edges.push_back(id);
   }
   for (std::size_t i = 0; i < content_.path.size(); ++i) holds_[content_.path[i].anchor].path.push_back(i);
-  changes_.firstNewPathPoint = content_.path.size();
+  taken_ = now();
 }
 
 PlaceId TopologicalMap::addPlace(Place place) {
@@ -55,8 +45,8 @@ PlaceId TopologicalMap::addPlace(Place place) {
   const PlaceId id = place.id;
   content_.places.emplace(id, std::move(place));
   holds_[id];
-  changes_.places.push_back(id);
-  changes_.memories.push_back(id);
+  journal_.note(Kind::kPlace, id.value);
+  journal_.note(Kind::kMemory, id.value);
   return id;
 }
 
@@ -68,7 +58,7 @@ ViewId TopologicalMap::addView(View view) {
   const ViewId id = view.id;
   holds_[view.place].views.push_back(id);
   content_.views.emplace(id, std::move(view));
-  changes_.views.push_back(id);
+  journal_.note(Kind::kView, id.value);
   return id;
 }
 
@@ -82,7 +72,7 @@ EdgeId TopologicalMap::addEdge(Edge edge) {
   content_.edges.emplace(id, std::move(edge));
   holds_[a].edges.push_back(id);
   holds_[b].edges.push_back(id);
-  changes_.edges.push_back(id);
+  journal_.note(Kind::kEdge, id.value);
   if (!content_.edges.at(id).correspondences.empty()) {
     dropForgotten(a);
     dropForgotten(b);
@@ -95,7 +85,8 @@ void TopologicalMap::removeEdge(EdgeId id) {
   std::erase(holds_[gone.a].edges, id);
   std::erase(holds_[gone.b].edges, id);
   content_.edges.erase(id);
-  changes_.removedEdges.push_back(id);
+  journal_.drop(Kind::kEdge, id.value);
+  journal_.note(Kind::kRemovedEdge, id.value);
 }
 
 void TopologicalMap::addPathPoint(const PathPoint& point) {
@@ -112,8 +103,7 @@ void TopologicalMap::forgetPath(int firstKeptSession) {
   if (gone == 0) return;
   for (auto& [id, holds] : holds_) holds.path.clear();
   for (std::size_t i = 0; i < content_.path.size(); ++i) holds_[content_.path[i].anchor].path.push_back(i);
-  changes_.pathForgotten = true;
-  changes_.firstNewPathPoint = 0;
+  journal_.note(Kind::kForgottenPath);
 }
 
 void TopologicalMap::removePlace(PlaceId id, PlaceId heir) {
@@ -123,18 +113,20 @@ void TopologicalMap::removePlace(PlaceId id, PlaceId heir) {
   for (const EdgeId edge : holds.edges) removeEdge(edge);
   for (const ViewId view : holds.views) {
     content_.views.erase(view);
-    changes_.removedViews.push_back(view);
+    journal_.drop(Kind::kView, view.value);
+    journal_.note(Kind::kRemovedView, view.value);
   }
   auto& inherited = holds_.at(heir).path;
   for (const std::size_t i : holds.path) {
     PathPoint& point = content_.path[i];
     point = {point.session, point.stamp, heir, T_heir_gone * point.T_anchor_robot};
     inherited.insert(std::lower_bound(inherited.begin(), inherited.end(), i), i);
-    changes_.movedPathPoints.push_back(i);
+    journal_.note(Kind::kMovedPathPoint, i);
   }
   content_.places.erase(id);
   holds_.erase(id);
-  changes_.removedPlaces.push_back(id);
+  for (const Kind kind : {Kind::kPlace, Kind::kMemory}) journal_.drop(kind, id.value);
+  journal_.note(Kind::kRemovedPlace, id.value);
 }
 
 void TopologicalMap::setPose(PlaceId id, const Eigen::Isometry3d& T_map_place) {
@@ -153,7 +145,7 @@ void TopologicalMap::setPoses(const std::map<PlaceId, Eigen::Isometry3d>& T_map_
     Place& target = mutablePlace(id);
     if (target.T_map_place.matrix() == T.matrix()) continue;
     target.T_map_place = T;
-    changes_.places.push_back(id);
+    journal_.note(Kind::kPlace, id.value);
   }
 }
 
@@ -166,7 +158,7 @@ void TopologicalMap::setStanding(PlaceId id, Standing standing, std::optional<do
   if (target.standing == standing && target.matchedStamp == matchedStamp) return;
   target.standing = standing;
   target.matchedStamp = matchedStamp;
-  changes_.places.push_back(id);
+  journal_.note(Kind::kPlace, id.value);
 }
 
 void TopologicalMap::survey(PlaceId id, const Eigen::Isometry3d& T_world_place) {
@@ -175,7 +167,7 @@ void TopologicalMap::survey(PlaceId id, const Eigen::Isometry3d& T_world_place) 
   if (const std::string rule = brokenRule(surveyed); !rule.empty())
     throw base::Error("cannot survey place " + std::to_string(id.value) + ": " + rule);
   mutablePlace(id).T_world_place = T_world_place;
-  changes_.places.push_back(id);
+  journal_.note(Kind::kPlace, id.value);
 }
 
 types::MemoryChange TopologicalMap::remember(PlaceId id, const memory::MemoryModel& model,
@@ -183,7 +175,7 @@ types::MemoryChange TopologicalMap::remember(PlaceId id, const memory::MemoryMod
                                              std::span<const types::Match> matches) {
   Place& target = mutablePlace(id);
   const types::MemoryChange change = model.learn(target.memory, view, matches, content_.redetections);
-  changes_.memories.push_back(id);
+  journal_.note(Kind::kMemory, id.value);
   dropForgotten(id);
   return change;
 }
@@ -199,7 +191,7 @@ void TopologicalMap::dropForgotten(PlaceId id) {
     const auto gone = std::erase_if(edge.correspondences, [&](const auto& pair) {
       return !known.contains(isA ? pair.first : pair.second);
     });
-    if (gone > 0) changes_.edges.push_back(edgeId);
+    if (gone > 0) journal_.note(Kind::kEdge, edgeId.value);
   }
 }
 
@@ -275,26 +267,13 @@ void TopologicalMap::checkInvariants() const {
   if (!broken.empty()) throw base::Error("the map is not consistent: " + broken.front());
 }
 
-MapChanges TopologicalMap::takeChanges() {
-  sortUnique(changes_.places);
-  sortUnique(changes_.memories);
-  sortUnique(changes_.views);
-  sortUnique(changes_.edges);
-  sortUnique(changes_.removedPlaces);
-  sortUnique(changes_.removedViews);
-  sortUnique(changes_.removedEdges);
-  sortUnique(changes_.movedPathPoints);
-  const auto isGone = [&](PlaceId id) { return !content_.places.contains(id); };
-  std::erase_if(changes_.places, isGone);
-  std::erase_if(changes_.memories, isGone);
-  std::erase_if(changes_.views, [&](ViewId id) { return !content_.views.contains(id); });
-  std::erase_if(changes_.edges, [&](EdgeId id) { return !content_.edges.contains(id); });
-  std::erase_if(changes_.movedPathPoints, [&](std::size_t i) { return i >= changes_.firstNewPathPoint; });
-  changes_.pathSize = content_.path.size();
-  MapChanges taken;
-  taken.firstNewPathPoint = content_.path.size();
-  std::swap(taken, changes_);
-  return taken;
+MapChanges TopologicalMap::changesSince(Cursor& cursor) const {
+  MapChanges changes = journal_.since(cursor.sequence);
+  changes.firstNewPathPoint = changes.pathForgotten ? 0 : std::min(cursor.pathSize, content_.path.size());
+  changes.pathSize = content_.path.size();
+  std::erase_if(changes.movedPathPoints, [&](std::size_t i) { return i >= changes.firstNewPathPoint; });
+  cursor = now();
+  return changes;
 }
 
 }  // namespace engram::map

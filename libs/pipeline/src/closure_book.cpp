@@ -4,9 +4,6 @@
 
 #include "engram/map/graph.h"
 
-#include <algorithm>
-#include <set>
-
 namespace engram::pipeline {
 namespace {
 
@@ -15,10 +12,6 @@ bool isClosure(map::EdgeType type) {
 }
 
 posegraph::ClosureDecision agreed() { return {true, posegraph::ClosureReason::kAgrees, 0, 0, 0}; }
-
-std::map<base::PlaceId, int> partOf(const map::TopologicalMap& map, base::PlaceId place) {
-  return map.hopDistances(place, static_cast<int>(map.places().size()));
-}
 
 }  // namespace
 
@@ -43,10 +36,10 @@ posegraph::Graph ClosureBook::trusted(const map::TopologicalMap& map) const {
 }
 
 posegraph::ClosureDecision ClosureBook::propose(const map::TopologicalMap& map, map::Edge edge) {
-  poses_.clear();
+  parts_.follow(map);
+  poses_ = map::aligned(map, parts_, edge.a, edge.b, edge.T_a_b.T_a_b);
+  const bool joins = !parts_.joined(edge.a, edge.b);
   edge.id = {};
-  const bool joins = !partOf(map, edge.a).contains(edge.b);
-  if (joins) alignPart(map, edge);
   entries_.push_back({std::move(edge), agreed()});
   if (joins) judged_ = entries_.size();
   proposed_ = true;
@@ -58,17 +51,6 @@ void ClosureBook::review(const map::TopologicalMap& map) {
   poses_.clear();
   proposed_ = false;
   judge(map);
-}
-
-/// Two parts of the map that knew nothing of each other: the one with the later first place moves to where
-/// the closure puts it.
-void ClosureBook::alignPart(const map::TopologicalMap& map, const map::Edge& edge) {
-  const auto partA = partOf(map, edge.a), partB = partOf(map, edge.b);
-  const bool moveA = partB.begin()->first < partA.begin()->first;
-  const Eigen::Isometry3d T_map_a = map.place(edge.a).T_map_place, T_map_b = map.place(edge.b).T_map_place;
-  const Eigen::Isometry3d T_new_old = moveA ? T_map_b * edge.T_a_b.T_a_b.inverse() * T_map_a.inverse()
-                                            : T_map_a * edge.T_a_b.T_a_b * T_map_b.inverse();
-  for (const auto& [id, hops] : moveA ? partA : partB) poses_[id] = T_new_old * map.place(id).T_map_place;
 }
 
 void ClosureBook::judge(const map::TopologicalMap& map) {

@@ -182,7 +182,6 @@ void Localizer::learn(const Lesson& lesson, types::FrameReport& report) {
   report.memory +=
       map_.remember(lesson.place, *memory_, inPlaceFrame(lesson.view, match.R_place_view), match.matches);
   report.learnt.push_back(lesson.place);
-  recogniser_.placeChanged(map_.place(lesson.place));
 }
 
 std::vector<base::PlaceId> Localizer::finish() {

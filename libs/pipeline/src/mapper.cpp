@@ -3,7 +3,6 @@
 #include "engram/pipeline/mapper.h"
 
 #include "engram/base/error.h"
-#include "engram/map/graph.h"
 #include "engram/types/se3.h"
 #include "step_timer.h"
 #include "thumbnail.h"
@@ -47,7 +46,7 @@ Mapper::Mapper(const PipelineParams& params, map::TopologicalMap map)
       memory_(memory::makeMemoryModel(params.memory, params.fsh, params.multi_store)),
       gate_(params.memory),
       recogniser_(params, Recogniser::Mode::kMapping, perception_.stereo()),
-      relaxer_(posegraph::makeRelaxer(params.posegraph)),
+      relaxer_(params.posegraph),
       reckoning_(params.odometry),
       sinceMade_(params.odometry),
       closures_(params.posegraph),
@@ -243,7 +242,6 @@ void Mapper::remember(Work& work) {
     work.report.learnt = {id};
     work.report.memory =
         map_.remember(id, *memory_, inPlaceFrame(work.features, match.R_place_view), match.matches);
-    recogniser_.placeChanged(map_.place(id));
     gate_.learnt();
   }
   addView(work, id, 0);
@@ -286,9 +284,6 @@ void Mapper::addPlace(Work& work) {
   recent_.insert(made);
   const auto near = map_.hopDistances(made, params_.place.recent_hops);
   std::erase_if(recent_, [&](base::PlaceId id) { return !near.contains(id); });
-
-  recogniser_.placeChanged(map_.place(anchor_));
-  recogniser_.graphChanged(map_);
 }
 
 /// The place that a new one is joined to: the anchor, or at wake-up the last one of the map (K-19).
@@ -399,8 +394,7 @@ void Mapper::joinPlace(Work& work, const Candidate& candidate) {
   const types::RelPose T_place_robot = atPlace(candidate);
   if (!work.judged && isClosure(id)) {  // no odometry that could deny it
     map_.addEdge(closureTo(work, candidate));
-    dropJoinedWeakEdges();
-    recogniser_.graphChanged(map_);
+    map::dropJoinedWeakEdges(map_, parts_);
     work.report.closure = closedUnmetric_ = true;
   }
   anchor_ = id;
@@ -424,59 +418,22 @@ void Mapper::applyJudgement(Work& work) {
     frontier_ = true;
   }
   if (changes.proposed.valid()) anchoredBy_ = changes.proposed;
-  dropJoinedWeakEdges();
-  recogniser_.graphChanged(map_);
-}
-
-/// A weak link has served once normal edges join its two sides (K-11, K-E11).
-void Mapper::dropJoinedWeakEdges() {
-  std::vector<base::EdgeId> joined;
-  const auto everywhere = static_cast<int>(map_.places().size());
-  for (const auto& [id, edge] : map_.edges())
-    if (edge.type == map::EdgeType::kWeak && map_.hopDistances(edge.a, everywhere).count(edge.b) > 0)
-      joined.push_back(id);
-  for (const auto id : joined) map_.removeEdge(id);
+  map::dropJoinedWeakEdges(map_, parts_);
 }
 
 /// The judgement over closures has relaxed the whole graph already; a place with more than one edge asks for
 /// its surroundings.
 void Mapper::relax(Work& work) {
   const StepTimer timer(work.report, "relax");
-  if (closedUnmetric_) relaxAll();
-  if (work.makesPlace && map_.neighbours(anchor_).size() > 1) relaxAround(anchor_);
-}
-
-void Mapper::relaxAround(base::PlaceId centre) {
-  const auto constraintsOf = [&](base::PlaceId id) {
-    std::vector<posegraph::Constraint> constraints;
-    for (const map::Neighbour& n : map_.neighbours(id))
-      constraints.push_back(map::toConstraint(map_.edge(n.edge)));
-    return constraints;
-  };
-  const auto poseOf = [&](base::PlaceId id) { return map_.place(id).T_map_place; };
-  const auto& p = params_.posegraph;
-  apply(relaxer_->relax(
-      posegraph::windowAround(centre, p.window_hops, p.window_places, constraintsOf, poseOf)));
-}
-
-void Mapper::relaxAll() {
-  closedUnmetric_ = false;
-  apply(relaxer_->relax(map::toGraph(map_)));
-}
-
-void Mapper::apply(const posegraph::Relaxation& relaxed) {
-  if (relaxed.ending != posegraph::Ending::kConverged && relaxed.ending != posegraph::Ending::kIterationLimit)
-    return;
-  map_.setPoses(relaxed.poses);
-  recogniser_.graphChanged(map_);
+  if (std::exchange(closedUnmetric_, false)) relaxer_.all(map_);
+  if (work.makesPlace && map_.neighbours(anchor_).size() > 1) relaxer_.around(map_, anchor_);
 }
 
 void Mapper::finish() {
   gate_.restart();
-  if (closures_.empty()) return relaxAll();
+  if (closures_.empty()) return relaxer_.all(map_);
   closures_.review(map_);
   closures_.apply(map_);
-  recogniser_.graphChanged(map_);
 }
 
 }  // namespace engram::pipeline

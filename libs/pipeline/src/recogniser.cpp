@@ -35,8 +35,22 @@ Recogniser::Recogniser(const PipelineParams& params, Mode mode, std::optional<St
 void Recogniser::load(const map::TopologicalMap& map) {
   for (const auto& [id, place] : map.places()) placeChanged(place);
   scorer_->loaded();
-  graphChanged(map);
+  std::set<int> touched;
+  for (const auto& [id, edge] : map.edges()) edgeChanged(edge, touched);
+  for (const int index : touched) connect(map, index);
+  for (const auto& [id, place] : map.places()) placeMoved(place);
+  read_ = map.now();
   restart();
+}
+
+void Recogniser::follow(const map::TopologicalMap& map) {
+  const map::MapChanges changes = map.changesSince(read_);
+  for (const auto id : changes.memories) placeChanged(map.place(id));
+  std::set<int> touched;
+  for (const auto id : changes.removedEdges) edgeRemoved(id, touched);
+  for (const auto id : changes.edges) edgeChanged(map.edge(id), touched);
+  for (const int index : touched) connect(map, index);
+  for (const auto id : changes.places) placeMoved(map.place(id));
 }
 
 int Recogniser::indexOf(base::PlaceId id) const {
@@ -52,29 +66,51 @@ void Recogniser::placeChanged(const map::Place& place) {
     adjacency_.neighbours.emplace_back();
     adjacency_.successor.push_back(-1);
     adjacency_.predecessor.push_back(-1);
+    adjacency_.poses.emplace_back();
     filter_.grow(ids_.size(), 0.0);
-    adjacency_.poses.clear();  // until graphChanged()
   }
   scorer_->placeChanged(static_cast<std::size_t>(index), place);
 }
 
-void Recogniser::graphChanged(const map::TopologicalMap& map) {
-  std::vector<std::pair<int, int>> edges;
-  double length = 0.0;
-  int steps = 0;
-  for (const auto& [id, edge] : map.edges()) {
-    if (!map::isPassage(edge.type)) continue;
-    edges.emplace_back(indexOf(edge.a), indexOf(edge.b));
-    if (edge.type != map::EdgeType::kOdometry) continue;
-    length += edge.T_a_b.T_a_b.translation().norm();
-    ++steps;
-  }
-  if (steps > 0) spacing_ = length / steps;
-  adjacency_ = belief::Adjacency::fromEdges(ids_.size(), edges);
-  for (const auto& [id, place] : map.places()) {
-    const Eigen::Isometry3d& T = place.T_map_place;
-    adjacency_.poses.emplace_back(T(0, 3), T(1, 3), std::atan2(T(1, 0), T(0, 0)));
-  }
+void Recogniser::edgeChanged(const map::Edge& edge, std::set<int>& touched) {
+  if (!map::isPassage(edge.type)) return;
+  Passage passage{indexOf(edge.a), indexOf(edge.b), edge.type == map::EdgeType::kOdometry, 0};
+  if (passage.counts) passage.length = std::llround(1e9 * edge.T_a_b.T_a_b.translation().norm());
+  if (!passages_.try_emplace(edge.id, passage).second) return;  // its features have changed alone
+  count(passage, 1);
+  touched.insert({passage.a, passage.b});
+}
+
+void Recogniser::edgeRemoved(base::EdgeId id, std::set<int>& touched) {
+  const auto gone = passages_.extract(id);
+  if (!gone) return;
+  count(gone.mapped(), -1);
+  touched.insert({gone.mapped().a, gone.mapped().b});
+}
+
+void Recogniser::count(const Passage& passage, int sign) {
+  if (!passage.counts) return;
+  counted_ += sign * passage.length;
+  steps_ += sign;
+  if (steps_ > 0) spacing_ = 1e-9 * static_cast<double>(counted_) / static_cast<double>(steps_);
+}
+
+/// The neighbours of a place anew, and its place in the chain.
+void Recogniser::connect(const map::TopologicalMap& map, int index) {
+  const auto at = static_cast<std::size_t>(index);
+  std::set<int> neighbours;
+  if (map.places().contains(ids_[at]))
+    for (const map::Neighbour& n : map.neighbours(ids_[at]))
+      if (map::isPassage(n.type)) neighbours.insert(indexOf(n.place));
+  adjacency_.neighbours[at].assign(neighbours.begin(), neighbours.end());
+  adjacency_.successor[at] = neighbours.contains(index + 1) ? index + 1 : -1;
+  adjacency_.predecessor[at] = neighbours.contains(index - 1) ? index - 1 : -1;
+}
+
+void Recogniser::placeMoved(const map::Place& place) {
+  const Eigen::Isometry3d& T = place.T_map_place;
+  adjacency_.poses[static_cast<std::size_t>(indexOf(place.id))] = {T(0, 3), T(1, 3),
+                                                                   std::atan2(T(1, 0), T(0, 0))};
 }
 
 std::vector<double> Recogniser::similarities(const types::Features& view) const {
@@ -85,6 +121,7 @@ std::vector<types::Hypothesis> Recogniser::recognise(const map::TopologicalMap& 
                                                      const types::Features& view,
                                                      const std::optional<Travel>& travel,
                                                      const std::set<base::PlaceId>& excluded) {
+  follow(map);
   matches_.clear();
   if (ids_.empty()) return {};
   std::vector<double> scores = similarities(view);

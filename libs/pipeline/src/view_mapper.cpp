@@ -4,7 +4,6 @@
 
 #include "engram/base/error.h"
 #include "engram/base/parallel.h"
-#include "engram/map/graph.h"
 #include "engram/types/se3.h"
 #include "step_timer.h"
 #include "thumbnail.h"
@@ -66,17 +65,12 @@ ViewMapper::ViewMapper(const PipelineParams& params, map::TopologicalMap map)
       perception_(params.camera, params.extractor),
       odometry_(makeOdometry(perception_, params)),
       search_(params),
-      relaxer_(posegraph::makeRelaxer(params.posegraph)),
+      relaxer_(params.posegraph),
       map_(std::move(map)),
       budget_(params.upkeep.budget(params.stereo.min_inliers)),
       session_(map_.nextSession()),
       wheels_(params.odometry) {
   search_.load(map_);
-  for (const auto& [id, place] : map_.places()) {
-    if (partOf_.contains(id)) continue;
-    for (const auto& [member, hops] : map_.hopDistances(id, static_cast<int>(map_.places().size())))
-      partOf_[member] = id;
-  }
 }
 
 ViewMapper::~ViewMapper() = default;
@@ -188,6 +182,7 @@ bool ViewMapper::describe(Work& work) {
 void ViewMapper::recognise(Work& work) {
   const StepTimer timer(work.report, "recognise");
   work.motion = motionSinceAnchor();
+  search_.follow(map_);
   for (const auto& [view, score] : search_.find(work.features)) {
     types::Hypothesis hypothesis;
     hypothesis.place = view;
@@ -235,8 +230,6 @@ void ViewMapper::remember(Work& work) {
   place.createdLabel = work.frame.label;
   place.session = session_;
   work.view = map_.addPlace(std::move(place));
-  partOf_[work.view] = work.view;
-  search_.add(map_, work.view);
 
   map::View view{.place = work.view,
                  .stamp = work.frame.stamp,
@@ -278,14 +271,14 @@ void ViewMapper::relate(Work& work) {
   if (work.motion) addMotion(work);
   for (const Link& link : work.links)
     if ((!work.motion || link.to != anchor_) && agrees(work, link)) addLink(work, link);
-  if (!work.motion && !map_.path().empty() && partOf_.at(lastPlace()) != partOf_.at(work.view)) {
+  if (!work.motion && !map_.path().empty() && !joined(lastPlace(), work.view)) {
     map::Edge weak{.type = map::EdgeType::kWeak, .a = lastPlace(), .b = work.view};
     weak.T_a_b.T_a_b = map_.place(weak.a).T_map_place.inverse() * map_.place(weak.b).T_map_place;
     weak.T_a_b.cov = types::Matrix6d::Identity() * params_.views.weak_sigma * params_.views.weak_sigma;
     map_.addEdge(std::move(weak));
   }
   linkNeighbours(work);
-  if (work.joined) dropJoinedWeakLinks();
+  if (work.joined) map::dropJoinedWeakEdges(map_, parts_);
 
   if (work.motion) sinceClosure_ += work.motion->T_a_b.translation().norm();
   if (work.report.closure) sinceClosure_ = 0;
@@ -309,8 +302,7 @@ void ViewMapper::addMotion(Work& work) {
   edge.a = anchor_;
   edge.b = work.view;
   edge.T_a_b = floored(*work.motion);
-  join(edge.a, edge.b, edge.T_a_b.T_a_b);
-  map_.addEdge(std::move(edge));
+  addEdge(std::move(edge));
 }
 
 bool ViewMapper::isSure(const Link& link) const {
@@ -320,8 +312,8 @@ bool ViewMapper::isSure(const Link& link) const {
 /// K-18: things that look alike stand elsewhere too. A link must not contradict the graph where that knows
 /// better than the drift of odometry; where it knows nothing, the link needs the inliers of K's experiments
 /// (K-E5).
-bool ViewMapper::agrees(const Work& work, const Link& link) const {
-  if (partOf_.at(link.to) != partOf_.at(work.view)) return isSure(link);
+bool ViewMapper::agrees(const Work& work, const Link& link) {
+  if (!joined(link.to, work.view)) return isSure(link);
   const Eigen::Isometry3d expected =
       map_.place(link.to).T_map_place.inverse() * map_.place(work.view).T_map_place;
   const Eigen::Isometry3d error = expected.inverse() * link.match.T_place_robot->T_a_b;
@@ -333,12 +325,12 @@ bool ViewMapper::agrees(const Work& work, const Link& link) const {
 
 void ViewMapper::addLink(Work& work, const Link& link) {
   map::Edge edge = edgeOf(link, work.view);
-  work.joined |= join(edge.a, edge.b, edge.T_a_b.T_a_b);
   if (!work.report.closure && !work.near.contains(link.to)) {
     work.report.closure = true;
     work.report.bestGuess = link.to;
   }
-  work.edges.push_back(map_.addEdge(std::move(edge)));
+  work.joined |= !joined(edge.a, edge.b);
+  work.edges.push_back(addEdge(std::move(edge)));
 }
 
 /// Views that the graph has near and that the search did not find: upkeep asks which of them agree (K-24).
@@ -371,30 +363,16 @@ types::RelPose ViewMapper::floored(types::RelPose T) const {
   return T;
 }
 
-/// Two parts of the map become one; the younger one moves to where the link puts it. False when they are one.
-bool ViewMapper::join(base::PlaceId a, base::PlaceId b, const Eigen::Isometry3d& T_a_b) {
-  const base::PlaceId partA = partOf_.at(a), partB = partOf_.at(b);
-  if (partA == partB) return false;
-  const bool moveA = partB < partA;
-  const Eigen::Isometry3d T_map_a = map_.place(a).T_map_place, T_map_b = map_.place(b).T_map_place;
-  const Eigen::Isometry3d T_new_old =
-      moveA ? T_map_b * T_a_b.inverse() * T_map_a.inverse() : T_map_a * T_a_b * T_map_b.inverse();
-  std::map<base::PlaceId, Eigen::Isometry3d> moved;
-  for (auto& [id, part] : partOf_) {
-    if (part != std::max(partA, partB)) continue;
-    part = std::min(partA, partB);
-    moved[id] = types::rigid(T_new_old * map_.place(id).T_map_place);
-  }
-  map_.setPoses(moved);
-  return true;
+bool ViewMapper::joined(base::PlaceId a, base::PlaceId b) {
+  parts_.follow(map_);
+  return parts_.joined(a, b);
 }
 
-/// A weak link has served once normal ones join its two sides (K-11, K-E11).
-void ViewMapper::dropJoinedWeakLinks() {
-  std::vector<base::EdgeId> joined;
-  for (const auto& [id, edge] : map_.edges())
-    if (edge.type == map::EdgeType::kWeak && partOf_.at(edge.a) == partOf_.at(edge.b)) joined.push_back(id);
-  for (const auto id : joined) map_.removeEdge(id);
+/// Where it joins two parts of the map, these move to where it puts them.
+base::EdgeId ViewMapper::addEdge(map::Edge edge) {
+  parts_.follow(map_);
+  map_.setPoses(map::aligned(map_, parts_, edge.a, edge.b, edge.T_a_b.T_a_b));
+  return map_.addEdge(std::move(edge));
 }
 
 /// Step 5.b.ii, C (K-28).
@@ -403,8 +381,6 @@ void ViewMapper::forget(Work& work) {
   const StepTimer timer(work.report, "forget");
   const auto done = upkeep::apply(map_, upkeep::plan(map_, work.view, budget_, upkeep::edgeInliers(map_)));
   for (const auto& gone : done.removed) {
-    search_.remove(gone.place);
-    partOf_.erase(gone.place);
     ++work.report.memory.pruned;
     if (work.report.bestGuess == gone.place) work.report.bestGuess = gone.heir;
     if (gone.place != anchor_) continue;
@@ -417,21 +393,12 @@ void ViewMapper::forget(Work& work) {
 /// Step 5.b.ii, D: as much of the graph as the new links ask for (K-10).
 void ViewMapper::relax(Work& work) {
   const StepTimer timer(work.report, "relax");
-  const auto& p = params_.posegraph;
   if (!map_.places().contains(work.view) || disagreement(work.edges) <= params_.views.relax_sigma) return;
-  const auto constraintsOf = [&](base::PlaceId id) {
-    std::vector<posegraph::Constraint> constraints;
-    for (const map::Neighbour& n : map_.neighbours(id))
-      constraints.push_back(map::toConstraint(map_.edge(n.edge)));
-    return constraints;
-  };
-  const auto poseOf = [&](base::PlaceId id) { return map_.place(id).T_map_place; };
-  apply(relaxer_->relax(
-      posegraph::windowAround(work.view, p.window_hops, p.window_places, constraintsOf, poseOf)));
+  relaxer_.around(map_, work.view);
   // The whole map seldom: over many views it costs each of them the same, however large the map.
   const bool due = made_ >= relaxedAt_ + map_.places().size() / kRelaxShare;
   if (!work.joined && (!due || disagreement(work.edges) <= params_.views.relax_all_sigma)) return;
-  apply(relaxer_->relax(map::toGraph(map_)));
+  relaxer_.all(map_);
   relaxedAt_ = made_;
 }
 
@@ -450,11 +417,6 @@ double ViewMapper::disagreement(const std::vector<base::EdgeId>& edges) const {
   return *middle;
 }
 
-void ViewMapper::apply(const posegraph::Relaxation& relaxed) {
-  if (relaxed.ending == posegraph::Ending::kConverged || relaxed.ending == posegraph::Ending::kIterationLimit)
-    map_.setPoses(relaxed.poses);
-}
-
-void ViewMapper::finish() { apply(relaxer_->relax(map::toGraph(map_))); }
+void ViewMapper::finish() { relaxer_.all(map_); }
 
 }  // namespace engram::pipeline

@@ -30,6 +30,13 @@ void ViewSearch::load(const map::TopologicalMap& map) {
   for (const auto& [id, place] : map.places()) add(map, id);
   trainAt_ = trainAt;
   if (trainAt_ > 0 && map.places().size() >= trainAt_) startTraining(map);
+  read_ = map.now();
+}
+
+void ViewSearch::follow(const map::TopologicalMap& map) {
+  const map::MapChanges changes = map.changesSince(read_);
+  for (const auto view : changes.removedPlaces) remove(view);
+  for (const auto view : changes.memories) add(map, view);
 }
 
 void ViewSearch::add(const map::TopologicalMap& map, base::PlaceId view) {

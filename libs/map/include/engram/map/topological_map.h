@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/map/journal.h"
 #include "engram/map/map_content.h"
 #include "engram/memory/place_memory.h"
 #include "engram/types/frame_report.h"
@@ -13,23 +14,6 @@
 #include <vector>
 
 namespace engram::map {
-
-/// Ids of what changed since the last takeChanges(): what the store must write. Ascending, without
-/// duplicates.
-struct MapChanges {
-  std::vector<PlaceId> places;         ///< new, moved, surveyed or of another standing
-  std::vector<PlaceId> memories;       ///< new or updated
-  std::vector<ViewId> views;           ///< new
-  std::vector<EdgeId> edges;           ///< new, or correspondences dropped
-  std::vector<PlaceId> removedPlaces;  ///< with their memories
-  std::vector<ViewId> removedViews;
-  std::vector<EdgeId> removedEdges;
-  std::vector<std::size_t> movedPathPoints;  ///< older ones that are tied to another place now
-  bool pathForgotten = false;  ///< older path points are gone: the others have new numbers and are all new
-  std::size_t firstNewPathPoint = 0;  ///< path points from here on are new
-  std::size_t pathSize = 0;           ///< path points in all
-  bool empty() const;
-};
 
 struct Neighbour {
   PlaceId place;
@@ -100,8 +84,13 @@ class TopologicalMap {
   /// Throws base::Error with the first broken rule.
   void checkInvariants() const;
 
-  /// Hands over the list of changes and starts a new one.
-  MapChanges takeChanges();
+  /// The cursor of a reader who knows the map as it is.
+  Cursor now() const { return {journal_.now(), content_.path.size()}; }
+  /// What has changed since a reader last looked; moves its cursor. Every reader (the store, recognition, an
+  /// index, a window) has its own.
+  MapChanges changesSince(Cursor& cursor) const;
+  /// The same with a cursor of the map's own, for a map with one reader.
+  MapChanges takeChanges() { return changesSince(taken_); }
 
  private:
   /// What points at a place, in ascending order.
@@ -116,7 +105,8 @@ class TopologicalMap {
 
   MapContent content_;
   std::map<PlaceId, Holds> holds_;  // of every place
-  MapChanges changes_;              // unsorted, with duplicates until taken
+  Journal journal_;
+  Cursor taken_;
 };
 
 }  // namespace engram::map

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engram/map/topological_map.h"
+#include "engram/map/parts.h"
 #include "engram/posegraph/robust.h"
 
 #include <map>
@@ -47,9 +47,9 @@ class ClosureBook {
 
   void judge(const map::TopologicalMap& map);
   posegraph::Graph trusted(const map::TopologicalMap& map) const;
-  void alignPart(const map::TopologicalMap& map, const map::Edge& edge);
 
   posegraph::RelaxerParams params_;
+  map::Parts parts_;
   std::vector<Entry> entries_;
   std::size_t judged_ = 0;  ///< entries of which the decision is known
   bool proposed_ = false;   ///< the last entry came from propose() and is not applied yet

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engram/map/topological_map.h"
+#include "engram/map/parts.h"
 #include "engram/memory/place_memory.h"
 #include "engram/pipeline/closure_book.h"
 #include "engram/pipeline/dead_reckoning.h"
 #include "engram/pipeline/map_builder.h"
+#include "engram/pipeline/map_relaxer.h"
 #include "engram/pipeline/params.h"
 #include "engram/pipeline/pass_gate.h"
 #include "engram/pipeline/perception.h"
@@ -74,21 +75,18 @@ class Mapper final : public MapBuilder {
                                                                        base::PlaceId b) const;
   void joinPlace(Work& work, const Candidate& candidate);
   void applyJudgement(Work& work);
-  void dropJoinedWeakEdges();
-  void relaxAround(base::PlaceId place);
-  void relaxAll();
-  void apply(const posegraph::Relaxation& relaxed);
 
   PipelineParams params_;
   Perception perception_;
   std::unique_ptr<memory::MemoryModel> memory_;
   PassGate gate_;
   Recogniser recogniser_;
-  std::unique_ptr<posegraph::Relaxer> relaxer_;
+  MapRelaxer relaxer_;
   DeadReckoning reckoning_;  // from the anchor
   DeadReckoning sinceMade_;  // from the place made last in this drive: wheels alone
   ClosureBook closures_;
   map::TopologicalMap map_;
+  map::Parts parts_;
 
   int session_ = 0;
   base::PlaceId anchor_;            // where the robot was last certain to be; invalid at wake-up

@@ -10,6 +10,7 @@
 #include "engram/pipeline/scorer.h"
 #include "engram/types/frame_report.h"
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -18,8 +19,9 @@
 
 namespace engram::pipeline {
 
-/// Recognise: features become a score for each place and a belief over all of them (F-19, F-20).
-/// The map tells it of every change.
+/// Recognise: features become a score for each place and a belief over all of them (F-19, F-20). It reads the
+/// changes of the map itself: places that came or learnt, edges, poses. Places that leave a map are not for
+/// it: they keep their number.
 class Recogniser {
  public:
   enum class Mode {
@@ -32,14 +34,12 @@ class Recogniser {
 
   /// Takes over a whole map; the belief becomes uniform.
   void load(const map::TopologicalMap& map);
-  /// A place was added, or its memory has changed.
-  void placeChanged(const map::Place& place);
-  /// Edges were added or removed, or places have moved.
-  void graphChanged(const map::TopologicalMap& map);
+  /// Takes over what has changed in a map since. recognise() does it too.
+  void follow(const map::TopologicalMap& map);
 
   /// Predicts by the motion model and weighs by this view. Hypotheses come by their posterior, at most
   /// `candidates` or `reported`, whichever is more.
-  /// @param map the one that this recogniser was told of. @param excluded places that cannot be the answer:
+  /// @param map the one that was loaded. @param excluded places that cannot be the answer:
   /// those just made.
   /// @param travel the motion since the last call; none when unknown
   std::vector<types::Hypothesis> recognise(const map::TopologicalMap& map, const types::Features& view,
@@ -72,6 +72,19 @@ class Recogniser {
   double interpolatedPeak() const;
 
  private:
+  /// An edge that a robot may go along, between places by index.
+  struct Passage {
+    int a = -1, b = -1;
+    bool counts = false;      ///< for the mean distance: an odometry edge
+    std::int64_t length = 0;  ///< of that [nm]: whole numbers add up to the same in any order
+  };
+
+  void placeChanged(const map::Place& place);
+  void edgeChanged(const map::Edge& edge, std::set<int>& touched);
+  void edgeRemoved(base::EdgeId id, std::set<int>& touched);
+  void placeMoved(const map::Place& place);
+  void count(const Passage& passage, int sign);
+  void connect(const map::TopologicalMap& map, int index);
   int indexOf(base::PlaceId id) const;
   types::Hypothesis hypothesis(std::size_t index) const;
   std::vector<std::size_t> largest(const std::vector<double>& values, std::size_t most,
@@ -88,12 +101,15 @@ class Recogniser {
   geometry::StereoVerifyParams stereoVerify_;
   std::optional<StereoCamera> stereo_;
   std::unique_ptr<Scorer> scorer_;
-  double spacing_;  // mean distance of neighbouring places [m]
+  double spacing_;                        // mean distance of neighbouring places [m]
+  std::int64_t counted_ = 0, steps_ = 0;  // sum [nm] and number of the odometry edges
   belief::BayesFilter filter_;
   belief::Adjacency adjacency_;
   std::vector<double> lastScores_;               // of the last view; 0 for excluded places
   std::map<base::PlaceId, PlaceMatch> matches_;  // of the last view
   std::vector<base::PlaceId> ids_;               // ascending; index in the filter and in the scorer
+  std::map<base::EdgeId, Passage> passages_;
+  map::Cursor read_;
 };
 
 }  // namespace engram::pipeline

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/map/parts.h"
 #include "engram/memory/static_view.h"
 #include "engram/odometry/stereo_check.h"
 #include "engram/odometry/stereo_odometry.h"
 #include "engram/pipeline/dead_reckoning.h"
 #include "engram/pipeline/map_builder.h"
+#include "engram/pipeline/map_relaxer.h"
 #include "engram/pipeline/perception.h"
 #include "engram/pipeline/place_match.h"
 #include "engram/pipeline/view_search.h"
@@ -71,13 +73,12 @@ class ViewMapper final : public MapBuilder {
   void addMotion(Work& work);
   void addLink(Work& work, const Link& link);
   bool isSure(const Link& link) const;
-  bool agrees(const Work& work, const Link& link) const;
+  bool agrees(const Work& work, const Link& link);
   bool tooFast(const Work& work, const types::RelPose& T_anchor_robot) const;
   void linkNeighbours(Work& work);
-  bool join(base::PlaceId a, base::PlaceId b, const Eigen::Isometry3d& T_a_b);
-  void dropJoinedWeakLinks();
+  bool joined(base::PlaceId a, base::PlaceId b);
+  base::EdgeId addEdge(map::Edge edge);
   double disagreement(const std::vector<base::EdgeId>& edges) const;
-  void apply(const posegraph::Relaxation& relaxed);
 
   PipelineParams params_;
   Perception perception_;
@@ -85,12 +86,12 @@ class ViewMapper final : public MapBuilder {
   odometry::StereoOdometry odometry_;
   odometry::StereoCheck check_;
   ViewSearch search_;
-  std::unique_ptr<posegraph::Relaxer> relaxer_;
+  MapRelaxer relaxer_;
   map::TopologicalMap map_;
   upkeep::Budget budget_;
 
   int session_ = 0;
-  std::map<base::PlaceId, base::PlaceId> partOf_;  // views that normal links join have one name
+  map::Parts parts_;
   base::PlaceId anchor_;              // the newest view of this drive, or its heir; invalid at wake-up
   double anchorStamp_ = 0;            // [s]
   types::RelPose T_anchor_keyframe_;  // of the robot at the keyframe of the odometry

@@ -26,9 +26,8 @@ class ViewSearch {
   explicit ViewSearch(const PipelineParams& params);
 
   void load(const map::TopologicalMap& map);
-  /// A view that the map has taken up.
-  void add(const map::TopologicalMap& map, base::PlaceId view);
-  void remove(base::PlaceId view);
+  /// Takes over the views that have come and gone since.
+  void follow(const map::TopologicalMap& map);
 
   struct Found {
     base::PlaceId view;
@@ -41,6 +40,8 @@ class ViewSearch {
   bool hasTree() const { return index_.has_value(); }
 
  private:
+  void add(const map::TopologicalMap& map, base::PlaceId view);
+  void remove(base::PlaceId view);
   void startTraining(const map::TopologicalMap& map);
   void takeTree(const map::TopologicalMap& map);
 
@@ -48,6 +49,7 @@ class ViewSearch {
   vocabulary::TreeParams treeParams_;
   features::MatchParams match_;
   int threads_;
+  map::Cursor read_;
 
   std::optional<vocabulary::ViewIndex> index_;  // its views have the numbers of the places
   features::PlaceMatcher matcher_;              // while there is no index
