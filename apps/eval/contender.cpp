@@ -3,7 +3,7 @@
 #include "contender.h"
 
 #include "engram/memory/static_view.h"
-#include "engram/pipeline/localizer.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/pipeline/place_match.h"
 #include "engram/store/feature_file.h"
 #include "engram/vocabulary/bag_of_words.h"
@@ -52,7 +52,8 @@ class MemoryContender : public Contender {
       : params_(params), map_(std::move(map)), recogniser_(fresh()) {}
 
   Learning learn(const std::vector<LearnView>& drive, const Verdict& isRight) override {
-    pipeline::Localizer localizer(params_, std::move(map_), true);  // a new drive: it may start anywhere
+    pipeline::Pipeline localizer(params_, std::move(map_),
+                                 pipeline::Use::kAdapting);  // a new drive: it may start anywhere
     Learning result;
     for (std::size_t i = 0; i < drive.size(); ++i) {
       const types::FrameReport report = localizer.process(drive[i].frame, drive[i].features);
@@ -63,7 +64,7 @@ class MemoryContender : public Contender {
       result.learnt += static_cast<int>(report.learnt.size());
     }
     result.learnt += static_cast<int>(localizer.finish().size());
-    map_ = std::move(localizer.map());
+    map_ = std::move(localizer).release();
     recogniser_ = fresh();
     return result;
   }

@@ -7,8 +7,7 @@
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
 #include "engram/evaluation/truth_match.h"
-#include "engram/pipeline/localizer.h"
-#include "engram/pipeline/mapper.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/sources/image_folder_source.h"
 
 #include <opencv2/imgcodecs.hpp>
@@ -164,7 +163,7 @@ std::vector<LoopAnswer> LoopBenchmark::run(const Truth& truth) const {
   requireTruthOf(truth, images, reference);
   pipeline::PipelineParams params = pipeline;
   params.recognise.reported = std::max(params.recognise.reported, kReported);
-  pipeline::Mapper mapper(params);
+  pipeline::Pipeline mapper(params);
   std::vector<LoopAnswer> answers;
   const auto answerer = [&](Judge& judge, const map::TopologicalMap& map) -> Record {
     return [&](const types::Frame& frame, const types::FrameReport& report, double milliseconds) {
@@ -180,7 +179,7 @@ std::vector<LoopAnswer> LoopBenchmark::run(const Truth& truth) const {
   }
   show(reference, {}, progress, map, [](const auto&, const auto&, double) {});
   mapper.finish();
-  pipeline::Localizer localizer(params, std::move(mapper.map()));
+  pipeline::Pipeline localizer(params, std::move(mapper).release(), pipeline::Use::kFrozen);
   Judge judge(truth, std::nullopt);
   show(
       images, play, progress, [&](const types::Frame& f) { return localizer.process(f); },

@@ -37,7 +37,7 @@ struct LoopAnswer {
   evaluation::Verdict bestGuess = evaluation::Verdict::kUnknown;  ///< of the maximum of the posterior
   double score = 0.0;  ///< verified matches plus posterior: a verified answer is surer than any other
   int rank = -1;       ///< of the first right hypothesis by posterior, from 0; -1: none of those reported
-  double milliseconds = 0.0;  ///< the whole of Mapper::process() or Localizer::process()
+  double milliseconds = 0.0;  ///< the whole of Pipeline::process()
 };
 
 /// The loop-closure benchmark on images with ground truth.

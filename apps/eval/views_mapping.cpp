@@ -4,8 +4,7 @@
 
 #include "cpu_clock.h"
 #include "engram/evaluation/trajectory_error.h"
-#include "engram/pipeline/localizer.h"
-#include "engram/pipeline/map_builder.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
 
 #include <cmath>
@@ -71,11 +70,12 @@ ViewSession ViewMapping::add(const ShownDrive& shown) {
   ViewSession session;
   const int keep = params_.upkeep.keep_drives;
   if (keep > 0) map_.forgetPath(map_.nextSession() - keep);
-  const auto mapper = pipeline::makeMapBuilder(params_, std::move(map_));
+  map::Cursor stored = map_.now();
+  pipeline::Pipeline mapper(params_, std::move(map_));
   auto file = std::filesystem::exists(file_) ? store::MapFile::open(file_, store::Access::kReadWrite)
-                                             : store::MapFile::create(file_, mapper->header());
-  map::TopologicalMap& map = mapper->map();
-  evaluation::Trajectory& truth = truth_[mapper->session()];
+                                             : store::MapFile::create(file_, mapper.header());
+  const map::TopologicalMap& map = mapper.map();
+  evaluation::Trajectory& truth = truth_[mapper.session()];
   std::uint32_t seenEdges = map.content().nextEdge;
   std::map<std::string, std::pair<double, int>> steps;
   double viewMs = 0;
@@ -86,7 +86,7 @@ ViewSession ViewMapping::add(const ShownDrive& shown) {
     if (!truth.empty()) length_ += (truth.back().T_world_body.inverse() * T_world_robot).translation().norm();
     truth.push_back({frame.stamp, T_world_robot});
     const double before = threadSeconds();
-    const types::FrameReport report = mapper->process(frame);
+    const types::FrameReport report = mapper.process(frame);
     const double ms = 1000 * (threadSeconds() - before);
     ++session.frames;
     for (const auto& step : report.times) {
@@ -100,7 +100,7 @@ ViewSession ViewMapping::add(const ShownDrive& shown) {
     if (report.outcome != types::Outcome::kNewPlace) return;
     ++session.viewsAdded;
     viewMs += ms;
-    if (map.places().contains(report.place)) map.survey(report.place, T_world_robot);
+    if (map.places().contains(report.place)) mapper.survey(report.place, T_world_robot);
     bool located = false;
     for (; seenEdges < map.content().nextEdge; ++seenEdges) {
       const auto edge = map.edges().find(base::EdgeId(seenEdges));
@@ -113,14 +113,14 @@ ViewSession ViewMapping::add(const ShownDrive& shown) {
       session.falseLinks += isFalse(map, edge->second);
     }
     session.located += located;
-    file.commit(map, map.takeChanges());
+    file.commit(map, map.changesSince(stored));
   });
-  mapper->finish();
+  mapper.finish();
   session.seconds = threadSeconds() - start;
-  file.commit(map, map.takeChanges());
+  file.commit(map, map.changesSince(stored));
   file.close();
   session.bytes = std::filesystem::file_size(file_);
-  map_ = std::move(map);
+  map_ = std::move(mapper).release();
   for (const auto& [name, sum] : steps) session.stepMs[name] = sum.first / sum.second;
   session.msPerView = session.viewsAdded > 0 ? viewMs / session.viewsAdded : 0.0;
   session.weakLeft = weakLinks(map_);
@@ -147,7 +147,7 @@ double ViewMapping::ate() const {
 LocatedShare locateEach(const map::TopologicalMap& map, const ShownDrive& shown,
                         const pipeline::PipelineParams& params, double every, double rightWithin) {
   LocatedShare result;
-  pipeline::Localizer localizer(params, map);
+  pipeline::Pipeline localizer(params, map, pipeline::Use::kFrozen);
   std::optional<Eigen::Isometry3d> last;
   double seconds = 0;
   forEachShown(shown, [&](const types::Frame& frame, const Eigen::Isometry3d& T_world_robot) {

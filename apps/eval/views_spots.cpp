@@ -3,8 +3,8 @@
 //
 // Experiments at single spots: no drive, one camera that is put here and there.
 #include "engram/base/rng.h"
+#include "engram/pipeline/perception.h"
 #include "engram/pipeline/place_match.h"
-#include "engram/pipeline/view_mapper.h"
 #include "engram/upkeep/clusters.h"
 #include "engram/upkeep/lru.h"
 #include "views_world.h"

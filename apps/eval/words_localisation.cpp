@@ -5,8 +5,8 @@
 #include "cpu_clock.h"
 #include "engram/base/config.h"
 #include "engram/base/interrupt.h"
-#include "engram/pipeline/localizer.h"
-#include "engram/pipeline/mapper.h"
+#include "engram/pipeline/dead_reckoning.h"
+#include "engram/pipeline/pipeline.h"
 
 #include <algorithm>
 
@@ -74,14 +74,14 @@ LocalisationWorld learnFirstLap(const KeptDrive& learnt, const KeptDrive& shown,
   LocalisationWorld world;
   world.learnt = learnt.truth;
   const std::size_t firstLap = learnt.firstLapImages();
-  pipeline::Mapper mapper(params);
+  pipeline::Pipeline mapper(params);
   learnt.forEachFrame([&](const types::Frame& frame) {
     if (frame.index >= firstLap) return;
     const auto outcome = mapper.process(frame).outcome;
     world.learned += outcome != types::Outcome::kSkipped && outcome != types::Outcome::kUnusable;
   });
   mapper.finish();
-  world.map = std::move(mapper.map());
+  world.map = std::move(mapper).release();
 
   pipeline::Perception perception(params.camera, params.extractor);
   ImageRule rule(params);
@@ -105,7 +105,7 @@ LocalisationWorld learnFirstLap(const KeptDrive& learnt, const KeptDrive& shown,
 LocalisationRun localise(const LocalisationWorld& world, const Transition& transition,
                          const pipeline::PipelineParams& params, int count, std::uint64_t seed,
                          double rightWithin) {
-  pipeline::Localizer localizer(with(transition, params), world.map);
+  pipeline::Pipeline localizer(with(transition, params), world.map, pipeline::Use::kFrozen);
   const auto isRight = [&](const PassImage& image, base::PlaceId id) {
     const auto& place = world.learnt.at(world.map.place(id).createdIndex).T_world_body;
     return (place.translation() - image.T_world_robot.translation()).norm() <= rightWithin;

@@ -5,7 +5,7 @@
 #include "cpu_clock.h"
 #include "engram/evaluation/trajectory_error.h"
 #include "engram/map/graph.h"
-#include "engram/pipeline/mapper.h"
+#include "engram/pipeline/pipeline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -131,7 +131,7 @@ class MappingExperiment {
   }
 
   const KeptDrive& drive_;
-  pipeline::Mapper mapper_;
+  pipeline::Pipeline mapper_;
   double rightWithin_;
   Trajectory odometry_;
   std::vector<Ends> edges_;  // of the closures

@@ -45,9 +45,9 @@ struct MappingRun {
   int restored = 0;        ///< closures that were refused at their image and entered later; not in the list
   double ateOdometry = 0;  ///< root mean square over the used images, after alignment in the plane [m]
   double ateBefore = 0;    ///< the same for the map as it grew, never relaxed
-  double ateMap = 0;       ///< as the Mapper left it
+  double ateMap = 0;       ///< as the pipeline left it
   std::map<std::string, RelaxerResult> after;  ///< by relaxer: the same map, relaxed at the end
-  double cpuSeconds = 0;                       ///< of the Mapper, all images
+  double cpuSeconds = 0;                       ///< of the pipeline, all images
 
   /// Positions of the used images, aligned with the truth [m].
   using Path = std::vector<Eigen::Vector2d>;

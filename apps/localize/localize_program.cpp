@@ -8,7 +8,6 @@
 #include "engram/base/line_file.h"
 #include "engram/base/progress.h"
 #include "engram/base/text.h"
-#include "engram/pipeline/localizer.h"
 #include "engram/store/map_copy.h"
 #include "engram/store/map_file.h"
 #include "engram/store/report_json.h"
@@ -84,7 +83,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     if (!quiet_) out << map_ << ": holds the whole drive already; nothing to resume\n";
     return kOk;
   }
-  pipeline::Localizer localizer = open(drive ? &*drive : nullptr);
+  pipeline::Pipeline localizer = open(drive ? &*drive : nullptr);
   std::optional<MapTruth> truth;
   if (!truth_.empty()) {
     truth.emplace(truth_, evaluation::TruthOptions{truthMargin_, truthRadius_, 1.0});
@@ -138,10 +137,11 @@ std::optional<store::DriveWriter> LocalizeProgram::openToAdapt(std::ostream& err
 }
 
 /// A frozen map is read once and let go: others may write it meanwhile.
-pipeline::Localizer LocalizeProgram::open(store::DriveWriter* drive) const {
+pipeline::Pipeline LocalizeProgram::open(store::DriveWriter* drive) const {
   std::optional<store::MapFile> frozen;
   if (drive == nullptr) frozen = store::MapFile::open(map_, store::Access::kReadOnly);
-  pipeline::Localizer localizer(config_.pipeline, frozen ? frozen->load() : drive->load(), adapt_);
+  pipeline::Pipeline localizer(config_.pipeline, frozen ? frozen->load() : drive->load(),
+                               adapt_ ? pipeline::Use::kAdapting : pipeline::Use::kFrozen);
   store::requireCompatible(frozen ? frozen->header() : *drive->header(), localizer.header(), map_);
   return localizer;
 }

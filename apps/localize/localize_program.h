@@ -7,7 +7,7 @@
 #include "engram/apps/run_input.h"
 #include "engram/apps/run_stream.h"
 #include "engram/apps/run_window.h"
-#include "engram/pipeline/localizer.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/store/drive_writer.h"
 #include "localize_figures.h"
 
@@ -27,7 +27,7 @@ class LocalizeProgram : public Program {
 
  private:
   std::optional<store::DriveWriter> openToAdapt(std::ostream& err);
-  pipeline::Localizer open(store::DriveWriter* drive) const;
+  pipeline::Pipeline open(store::DriveWriter* drive) const;
   int conclude(const LocalizeFigures& figures, std::ostream& out, std::ostream& err);
 
   RunConfig config_;

@@ -86,8 +86,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   const int keep = config_.pipeline.upkeep.keep_drives;
   const int firstKept = keep > 0 ? known.nextSession() - keep : 0;
   known.forgetPath(firstKept);
-  const auto builder = pipeline::makeMapBuilder(config_.pipeline, std::move(known));
-  pipeline::MapBuilder& mapper = *builder;
+  pipeline::Pipeline mapper(config_.pipeline, std::move(known));
   if (drive.header() != nullptr) store::requireCompatible(*drive.header(), mapper.header(), path);
   if (keep > 0) drive.forget(mapper.map(), firstKept);
   stream_.open(path, err);
@@ -100,7 +99,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     if (figures.images() == 0) drive.begin(*frame, mapper.session(), headerFor(mapper, *frame));
     types::FrameReport report = mapper.process(*frame);
     input_.annotate(report);
-    if (truth) truth->survey(mapper.map(), report);
+    if (truth) truth->survey(mapper, report);
     drive.add(mapper.map(), report);
     if (!drive.replayed()) stream_.sendMapped(report, *frame, mapper.map());
     say(eyes_.after(mapper.eyes()), err);
@@ -131,14 +130,14 @@ store::DriveWriter SlamProgram::openMap(const std::string& path, std::ostream& e
   return {path, drive_, input_.source(config_), input_.peek()};
 }
 
-map::MapHeader SlamProgram::headerFor(const pipeline::MapBuilder& mapper, const types::Frame& first) const {
+map::MapHeader SlamProgram::headerFor(const pipeline::Pipeline& mapper, const types::Frame& first) const {
   map::MapHeader header = mapper.header();
   header.parameters = config_.dumpForMap();
   header.firstStamp = first.stamp;
   return header;
 }
 
-int SlamProgram::conclude(store::MapFile& file, const pipeline::MapBuilder& mapper, SlamFigures& figures,
+int SlamProgram::conclude(store::MapFile& file, const pipeline::Pipeline& mapper, SlamFigures& figures,
                           const MapTruth* truth, std::ostream& out, std::ostream& err) {
   const map::TopologicalMap& map = mapper.map();
   if (truth && truth->hasPoses())

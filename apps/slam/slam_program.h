@@ -8,7 +8,7 @@
 #include "engram/apps/run_input.h"
 #include "engram/apps/run_stream.h"
 #include "engram/apps/run_window.h"
-#include "engram/pipeline/map_builder.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/store/drive_writer.h"
 #include "slam_figures.h"
 
@@ -29,8 +29,8 @@ class SlamProgram : public Program {
  private:
   std::string mapPath() const;
   store::DriveWriter openMap(const std::string& path, std::ostream& err);
-  map::MapHeader headerFor(const pipeline::MapBuilder& mapper, const types::Frame& first) const;
-  int conclude(store::MapFile& file, const pipeline::MapBuilder& mapper, SlamFigures& figures,
+  map::MapHeader headerFor(const pipeline::Pipeline& mapper, const types::Frame& first) const;
+  int conclude(store::MapFile& file, const pipeline::Pipeline& mapper, SlamFigures& figures,
                const MapTruth* truth, std::ostream& out, std::ostream& err);
   void writeReport(const store::MapFile& file, const map::TopologicalMap& map) const;
 

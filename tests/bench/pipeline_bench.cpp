@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/pipeline/localizer.h"
-#include "engram/pipeline/mapper.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/world/world.h"
 
 #include <benchmark/benchmark.h>
@@ -26,7 +25,7 @@ const Office& office() {
   static const Office office = [] {
     Office o;
     const world::Session tour(o.world, 1, world::presetEyes("omni"));
-    pipeline::Mapper mapper(params());
+    pipeline::Pipeline mapper(params());
     for (std::size_t i = 0; i < tour.size(); ++i) mapper.process(tour.frame(i));
     o.map = mapper.map();
     const world::Session test(o.world, 2, world::presetEyes("omni"), world::DriveKind::kTest);
@@ -39,7 +38,8 @@ const Office& office() {
 // One image from pixels to an answer: SURF, search in all places, filter, verification, and learning when it
 // adapts.
 void localise(benchmark::State& state, bool adapt) {
-  pipeline::Localizer localizer(params(), office().map, adapt);
+  pipeline::Pipeline localizer(params(), office().map,
+                               adapt ? pipeline::Use::kAdapting : pipeline::Use::kFrozen);
   std::size_t i = 0;
   for (auto _ : state)
     benchmark::DoNotOptimize(localizer.process(office().testFrames[i++ % office().testFrames.size()]).place);

@@ -3,7 +3,9 @@
 //
 // Maps of stereo views, 640 x 480: what an image costs, and the geometry of 15 candidates.
 #include "engram/cameras/stereo_rig.h"
-#include "engram/pipeline/view_mapper.h"
+#include "engram/memory/static_view.h"
+#include "engram/pipeline/pipeline.h"
+#include "engram/pipeline/place_match.h"
 #include "engram/world/world.h"
 
 #include <benchmark/benchmark.h>
@@ -43,7 +45,7 @@ void mapping(benchmark::State& state) {
   map::TopologicalMap map;
   std::size_t images = 0;
   for (auto _ : state) {
-    pipeline::ViewMapper mapper(params(), std::move(map));
+    pipeline::Pipeline mapper(params(), std::move(map));
     for (const auto& frame : frames()) mapper.process(frame);
     mapper.finish();
     map = mapper.map();

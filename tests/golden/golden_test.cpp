@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/base/atomic_file.h"
-#include "engram/pipeline/localizer.h"
-#include "engram/pipeline/map_builder.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
 #include "engram/store/report_json.h"
 #include "golden_drives.h"
@@ -40,7 +39,8 @@ const std::vector<GoldenCase>& cases() {
       {"view_map", "stereo", {"upkeep.upkeep=lru_views", "upkeep.max_views=2"}, "+lru"},
       {"view_map",
        "stereo",
-       {"mapping.nodes=places", "select.min_distance=0.2", "place.spacing=0.4"},
+       {"mapping.nodes=places", "recognise.closure_similarity=0.1", "select.min_distance=0.2",
+        "place.spacing=0.4"},
        "+places"},
   };
   return all;
@@ -99,16 +99,17 @@ class GoldenRun {
  private:
   map::TopologicalMap mapped(const std::string& what, map::TopologicalMap known,
                              const std::vector<types::Frame>& frames) {
-    const auto mapper = pipeline::makeMapBuilder(params_, std::move(known));
+    pipeline::Pipeline mapper(params_, std::move(known));
     std::vector<types::FrameReport> reports;
-    for (const auto& frame : frames) reports.push_back(mapper->process(frame));
-    mapper->finish();
-    keep(what, mapper->map(), mapper->header(), reports);
-    return mapper->map();
+    for (const auto& frame : frames) reports.push_back(mapper.process(frame));
+    mapper.finish();
+    keep(what, mapper.map(), mapper.header(), reports);
+    return mapper.map();
   }
 
   void localised(const std::string& what, map::TopologicalMap known, bool adapt) {
-    pipeline::Localizer localizer(params_, std::move(known), adapt);
+    const auto use = adapt ? pipeline::Use::kAdapting : pipeline::Use::kFrozen;
+    pipeline::Pipeline localizer(params_, std::move(known), use);
     std::vector<types::FrameReport> reports;
     for (const auto& frame : drives_.second) reports.push_back(localizer.process(frame));
     localizer.finish();

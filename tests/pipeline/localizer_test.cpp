@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/pipeline/localizer.h"
 
 #include "engram/base/error.h"
-#include "engram/pipeline/mapper.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
 #include "tiny_drive.h"
 
@@ -29,11 +28,10 @@ std::string dump(const map::MapContent& content) {
 
 const map::TopologicalMap& firstMap() {
   static const map::TopologicalMap map = [] {
-    Mapper mapper(tinyParams());
+    Pipeline mapper(tinyParams());
     for (const auto& frame : firstDrive().frames) mapper.process(frame);
     mapper.finish();
-    mapper.map().takeChanges();
-    return mapper.map();
+    return std::move(mapper).release();
   }();
   return map;
 }
@@ -61,7 +59,8 @@ std::vector<base::PlaceId> ascending(std::vector<base::PlaceId> ids) {
 
 TEST(Localizer, AnswersAreRightAndTheFrozenMapStays) {
   const std::string before = dump(firstMap().content());
-  Localizer localizer(tinyParams(), firstMap());
+  Pipeline localizer(tinyParams(), firstMap(), Use::kFrozen);
+  map::Cursor read = localizer.map().now();
   int accepted = 0, right = 0;
   for (const auto& frame : secondDrive().frames) {
     const types::FrameReport report = localizer.process(frame);
@@ -77,7 +76,7 @@ TEST(Localizer, AnswersAreRightAndTheFrozenMapStays) {
   EXPECT_GE(accepted, static_cast<int>(secondDrive().frames.size()) * 7 / 10);
   EXPECT_GE(right, accepted * 95 / 100);
   EXPECT_EQ(dump(localizer.map().content()), before);
-  EXPECT_TRUE(localizer.map().takeChanges().empty());
+  EXPECT_TRUE(localizer.map().changesSince(read).empty());
 }
 
 TEST(Localizer, AdaptingChangesMemoriesAlone) {
@@ -87,13 +86,14 @@ TEST(Localizer, AdaptingChangesMemoriesAlone) {
     for (auto& [id, edge] : content.edges) edge.correspondences.clear();  // they name remembered features
     return dump(content);
   };
-  Localizer localizer(tinyParams(), firstMap(), true);
+  Pipeline localizer(tinyParams(), firstMap(), Use::kAdapting);
+  map::Cursor read = localizer.map().now();
   std::size_t learnt = 0;
   base::PlaceId here;
   for (const auto& frame : secondDrive().frames) {
     const std::string before = dump(localizer.map().content());
     const types::FrameReport report = localizer.process(frame);
-    const auto changes = localizer.map().takeChanges();
+    const auto changes = localizer.map().changesSince(read);
     if (report.outcome == Outcome::kRecognised) here = report.place;
     EXPECT_EQ(changes.memories, ascending(report.learnt));
     if (report.learnt.empty()) {
@@ -109,7 +109,7 @@ TEST(Localizer, AdaptingChangesMemoriesAlone) {
   EXPECT_GT(learnt, 10u);
   const auto last = localizer.finish();
   EXPECT_THAT(last, ::testing::Not(::testing::IsEmpty()));
-  EXPECT_EQ(localizer.map().takeChanges().memories, ascending(last));
+  EXPECT_EQ(localizer.map().changesSince(read).memories, ascending(last));
   EXPECT_GT(learnt + last.size(), 20u);
   EXPECT_TRUE(localizer.finish().empty()) << "what was learnt is not learnt again";
   EXPECT_EQ(withoutMemory(localizer.map().content()), withoutMemory(firstMap().content()));
@@ -118,7 +118,7 @@ TEST(Localizer, AdaptingChangesMemoriesAlone) {
 
 // A place that learnt at once would go on being the best match as the robot drives away.
 TEST(Localizer, WhatIsSeenDoesNotDependOnWhatWasJustLearnt) {
-  Localizer frozen(tinyParams(), firstMap()), adapting(tinyParams(), firstMap(), true);
+  Pipeline frozen(tinyParams(), firstMap(), Use::kFrozen), adapting(tinyParams(), firstMap(), Use::kAdapting);
   int compared = 0;
   for (const auto& frame : secondDrive().frames) {
     const auto report = adapting.process(frame);
@@ -133,7 +133,7 @@ TEST(Localizer, WhatIsSeenDoesNotDependOnWhatWasJustLearnt) {
 
 // What an image looks like is learnt only after several answers in a row agree, so that a wrong one is not.
 TEST(Localizer, LearnsNothingFromTheFirstAnswers) {
-  Localizer localizer(tinyParams(), firstMap(), true);
+  Pipeline localizer(tinyParams(), firstMap(), Use::kAdapting);
   int accepted = 0;
   for (const auto& frame : secondDrive().frames) {
     accepted += localizer.process(frame).outcome == Outcome::kRecognised;
@@ -143,7 +143,7 @@ TEST(Localizer, LearnsNothingFromTheFirstAnswers) {
 }
 
 TEST(Localizer, StandingRobotLearnsOnce) {
-  Localizer localizer(tinyParams(), firstMap(), true);
+  Pipeline localizer(tinyParams(), firstMap(), Use::kAdapting);
   types::Frame frame = secondDrive().frames[0];
   for (int i = 0; i < 5; ++i, frame.stamp += 1, ++frame.index)
     EXPECT_EQ(localizer.process(frame).outcome, Outcome::kRecognised);
@@ -155,7 +155,7 @@ TEST(Localizer, PerPassAPlaceLearnsOnceUntilItWasLeft) {
   auto params = tinyParams();
   params.memory.update_policy = "per_pass";
   params.select.min_distance = 0;  // so that a standing robot could learn again
-  Localizer localizer(params, firstMap(), true);
+  Pipeline localizer(params, firstMap(), Use::kAdapting);
   std::size_t learnt = 0, passed = 0, accepted = 0;
   base::PlaceId here;
   for (const auto& frame : secondDrive().frames) {
@@ -191,7 +191,7 @@ TEST(Localizer, LearntThresholdsReachTheMemories) {
     auto params = tinyParams();
     params.fsh.thresholds = thresholds;
     params.fsh.ltm_min_features = 50;
-    Localizer localizer(params, firstMap(), true);
+    Pipeline localizer(params, firstMap(), Use::kAdapting);
     std::uint64_t learnt = 0;
     for (const auto& frame : secondDrive().frames) learnt += localizer.process(frame).learnt.size();
     learnt += localizer.finish().size();
@@ -210,9 +210,9 @@ TEST(Localizer, AdaptsWithEveryMemory) {
   for (const char* name : {"multi_store", "replace", "static"}) {
     auto params = tinyParams();
     params.memory.memory = name;
-    Mapper mapper(params);
+    Pipeline mapper(params);
     for (const auto& frame : firstDrive().frames) mapper.process(frame);
-    Localizer localizer(params, mapper.map(), true);
+    Pipeline localizer(params, mapper.map(), Use::kAdapting);
     int accepted = 0, pruned = 0;
     for (const auto& frame : secondDrive().frames) {
       const auto report = localizer.process(frame);
@@ -227,12 +227,12 @@ TEST(Localizer, AdaptsWithEveryMemory) {
 }
 
 TEST(Localizer, RestartForgetsTheBelief) {
-  Localizer used(tinyParams(), firstMap());
+  Pipeline used(tinyParams(), firstMap(), Use::kFrozen);
   for (std::size_t i = 0; i < 10; ++i) used.process(secondDrive().frames[i]);
-  Localizer carriedOn(tinyParams(), firstMap());
+  Pipeline carriedOn(tinyParams(), firstMap(), Use::kFrozen);
   for (std::size_t i = 0; i < 10; ++i) carriedOn.process(secondDrive().frames[i]);
   const types::Frame& far = secondDrive().frames[28];
-  Localizer fresh(tinyParams(), firstMap());
+  Pipeline fresh(tinyParams(), firstMap(), Use::kFrozen);
   used.restart();
   const types::FrameReport a = used.process(far), b = fresh.process(far);
   ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
@@ -244,7 +244,7 @@ TEST(Localizer, RestartForgetsTheBelief) {
 }
 
 TEST(Localizer, UnusableImagesAreNoAnswers) {
-  Localizer localizer(tinyParams(), firstMap());
+  Pipeline localizer(tinyParams(), firstMap(), Use::kFrozen);
   EXPECT_EQ(localizer.process(secondDrive().frames[0]).outcome, Outcome::kRecognised);
   types::Frame frame = secondDrive().frames[1];
   frame.image = cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(0));
@@ -257,7 +257,7 @@ TEST(Localizer, UnusableImagesAreNoAnswers) {
   EXPECT_EQ(localizer.process(secondDrive().frames[3]).outcome, Outcome::kRecognised);
 }
 
-TEST(Localizer, EmptyMapIsAnError) { EXPECT_THROW(Localizer(tinyParams(), {}), base::Error); }
+TEST(Localizer, EmptyMapIsAnError) { EXPECT_THROW(Pipeline(tinyParams(), {}, Use::kFrozen), base::Error); }
 
 }  // namespace
 }  // namespace engram::pipeline

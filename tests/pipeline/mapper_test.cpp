@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/pipeline/mapper.h"
-
 #include "engram/base/error.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
 #include "tiny_drive.h"
 
@@ -28,13 +27,13 @@ std::string dump(const map::MapContent& content, const std::vector<types::FrameR
 }
 
 /// All but the path, which every keyframe extends.
-std::string dumpKnowledge(const Mapper& mapper) {
+std::string dumpKnowledge(const Pipeline& mapper) {
   map::MapContent content = mapper.map().content();
   content.path.clear();
   return dump(content);
 }
 
-std::vector<types::FrameReport> drive(Mapper& mapper, const std::vector<types::Frame>& frames) {
+std::vector<types::FrameReport> drive(Pipeline& mapper, const std::vector<types::Frame>& frames) {
   std::vector<types::FrameReport> reports;
   for (const auto& frame : frames) reports.push_back(mapper.process(frame));
   mapper.finish();
@@ -48,7 +47,7 @@ int count(const std::vector<types::FrameReport>& reports, Outcome outcome) {
 
 const map::TopologicalMap& firstMap() {
   static const map::TopologicalMap map = [] {
-    Mapper mapper(tinyParams());
+    Pipeline mapper(tinyParams());
     drive(mapper, firstDrive().frames);
     return mapper.map();
   }();
@@ -123,7 +122,7 @@ TEST(Mapper, EveryPlaceKeepsAThumbnailAndEveryViewItsImage) {
 
 TEST(Mapper, StandingRobotMakesNoPlaces) {
   for (const bool odometry : {true, false}) {
-    Mapper mapper(tinyParams());
+    Pipeline mapper(tinyParams());
     const auto reports = drive(mapper, standing(firstDrive().frames[0], 8, odometry));
     EXPECT_EQ(count(reports, Outcome::kNewPlace), 1);
     EXPECT_EQ(count(reports, Outcome::kSkipped), 7);
@@ -136,12 +135,12 @@ TEST(Mapper, StandingRobotMakesNoPlaces) {
 TEST(Mapper, LostRobotThatStandsMakesNoPlaces) {
   map::TopologicalMap known;
   {
-    Mapper mapper(tinyParams());
+    Pipeline mapper(tinyParams());
     drive(mapper, {firstDrive().frames.begin(), firstDrive().frames.begin() + 9});
     known = mapper.map();
   }
   for (const bool odometry : {true, false}) {
-    Mapper mapper(tinyParams(), known);
+    Pipeline mapper(tinyParams(), known);
     const auto reports = drive(mapper, standing(firstDrive().frames[22], 12, odometry));
     EXPECT_EQ(count(reports, Outcome::kNewPlace), 0) << odometry;
     EXPECT_EQ(reports.front().outcome, Outcome::kRefused);
@@ -150,9 +149,9 @@ TEST(Mapper, LostRobotThatStandsMakesNoPlaces) {
 }
 
 TEST(Mapper, LostRobotInNewTerritoryStartsAWeaklyJoinedPartAfterItsPatience) {
-  Mapper first(tinyParams());
+  Pipeline first(tinyParams());
   drive(first, {firstDrive().frames.begin(), firstDrive().frames.begin() + 9});
-  Mapper mapper(tinyParams(), first.map());
+  Pipeline mapper(tinyParams(), first.map());
   EXPECT_EQ(mapper.session(), 1);
   const auto reports = drive(mapper, {firstDrive().frames.begin() + 18, firstDrive().frames.begin() + 28});
   const int patience = tinyParams().place.patience;
@@ -165,10 +164,10 @@ TEST(Mapper, LostRobotInNewTerritoryStartsAWeaklyJoinedPartAfterItsPatience) {
 }
 
 TEST(Mapper, WeakLinkEndsWhenNormalEdgesJoinItsSides) {
-  Mapper first(tinyParams());
+  Pipeline first(tinyParams());
   const auto& frames = firstDrive().frames;
   drive(first, {frames.begin(), frames.begin() + 9});
-  Mapper mapper(tinyParams(), first.map());
+  Pipeline mapper(tinyParams(), first.map());
   drive(mapper, {frames.begin() + 18, frames.begin() + 28});
   const auto weak = [&] {
     const auto isWeak = [](const auto& e) { return e.second.type == map::EdgeType::kWeak; };
@@ -183,7 +182,7 @@ TEST(Mapper, WeakLinkEndsWhenNormalEdgesJoinItsSides) {
 }
 
 TEST(Mapper, BlackImagesChangeNothing) {
-  Mapper mapper(tinyParams());
+  Pipeline mapper(tinyParams());
   for (std::size_t i = 0; i < 12; ++i) {
     mapper.process(firstDrive().frames[i]);
     const std::string before = dump(mapper.map().content());
@@ -194,13 +193,13 @@ TEST(Mapper, BlackImagesChangeNothing) {
     EXPECT_EQ(report.reason, "too few features");
     EXPECT_EQ(dump(mapper.map().content()), before);
   }
-  Mapper plain(tinyParams());
+  Pipeline plain(tinyParams());
   drive(plain, {firstDrive().frames.begin(), firstDrive().frames.begin() + 12});
   EXPECT_EQ(mapper.map().places().size(), plain.map().places().size());
 }
 
 TEST(Mapper, ImageOfAnotherSizeInTheMiddleChangesNothing) {
-  Mapper mapper(tinyParams());
+  Pipeline mapper(tinyParams());
   mapper.process(firstDrive().frames[0]);
   const std::string before = dump(mapper.map().content());
   types::Frame other = firstDrive().frames[1];
@@ -213,7 +212,7 @@ TEST(Mapper, ImageOfAnotherSizeInTheMiddleChangesNothing) {
 }
 
 TEST(Mapper, UnverifiedViewsChangeNoMemory) {
-  Mapper mapper(tinyParams(), firstMap());
+  Pipeline mapper(tinyParams(), firstMap());
   int refused = 0;
   for (const auto& frame : secondDrive().frames) {
     const std::string before = dumpKnowledge(mapper);
@@ -227,7 +226,7 @@ TEST(Mapper, UnverifiedViewsChangeNoMemory) {
 }
 
 TEST(Mapper, SecondDriveRecognisesAndMakesFewPlaces) {
-  Mapper mapper(tinyParams(), firstMap());
+  Pipeline mapper(tinyParams(), firstMap());
   const auto reports = drive(mapper, secondDrive().frames);
   const auto images = static_cast<int>(reports.size());
   EXPECT_GE(count(reports, Outcome::kRecognised), images * 7 / 10);
@@ -248,7 +247,7 @@ TEST(Mapper, LearntThresholdsReachTheMemories) {
     auto params = tinyParams();
     params.fsh.thresholds = thresholds;
     params.fsh.ltm_min_features = 50;
-    Mapper mapper(params, firstMap());
+    Pipeline mapper(params, firstMap());
     for (const auto& frame : secondDrive().frames) mapper.process(frame);
     EXPECT_GT(mapper.map().content().redetections.views, firstMap().content().redetections.views);
     std::size_t longTerm = 0;
@@ -262,7 +261,7 @@ TEST(Mapper, LearntThresholdsReachTheMemories) {
 TEST(Mapper, PerPassAPlaceLearnsOnceUntilItWasLeft) {
   auto params = tinyParams();
   params.memory.update_policy = "per_pass";
-  Mapper mapper(params, firstMap());
+  Pipeline mapper(params, firstMap());
   base::PlaceId here;
   bool hasLearnt = false;
   int withheld = 0, learnt = 0;
@@ -292,7 +291,7 @@ TEST(Mapper, ClosesTheLoopWhereItIsAndNowhereElse) {
     frame.T_odom_robot = T_odom_seam * lap.T_world_robot[i];
     frames.push_back(frame);
   }
-  Mapper mapper(tinyParams());
+  Pipeline mapper(tinyParams());
   const auto reports = drive(mapper, frames);
   int closures = 0;
   for (const auto& r : reports) {
@@ -318,7 +317,7 @@ TEST(Mapper, MissingOdometryMakesNoConfidentWrongEdges) {
   std::vector<types::Frame> frames = firstDrive().frames;
   for (const std::size_t i : {7u, 8u, 15u, 23u, 24u, 25u}) frames[i].T_odom_robot.reset();
   frames.erase(frames.begin() + 11, frames.begin() + 14);  // and nothing at all for a while
-  Mapper mapper(tinyParams());
+  Pipeline mapper(tinyParams());
   drive(mapper, frames);
   for (const auto& [id, edge] : mapper.map().edges()) {
     if (edge.type != map::EdgeType::kOdometry) continue;
@@ -330,7 +329,7 @@ TEST(Mapper, MissingOdometryMakesNoConfidentWrongEdges) {
 TEST(Mapper, WorksWithoutOdometry) {
   std::vector<types::Frame> frames(firstDrive().frames.begin(), firstDrive().frames.begin() + 12);
   for (auto& frame : frames) frame.T_odom_robot.reset();
-  Mapper mapper(tinyParams());
+  Pipeline mapper(tinyParams());
   const auto reports = drive(mapper, frames);
   EXPECT_EQ(count(reports, Outcome::kRefused), 0);
   EXPECT_EQ(mapper.map().components().size(), 1u);
@@ -341,7 +340,7 @@ TEST(Mapper, SameInputGivesTheSameMapWhateverTheThreads) {
   const auto run = [](int threads) {
     PipelineParams params = tinyParams();
     params.recognise.threads = threads;
-    Mapper mapper(params, firstMap());
+    Pipeline mapper(params, firstMap());
     const auto reports = drive(mapper, secondDrive().frames);
     return dump(mapper.map().content(), reports);
   };
@@ -353,10 +352,10 @@ TEST(Mapper, SameInputGivesTheSameMapWhateverTheThreads) {
 TEST(Mapper, BadParametersAreNamed) {
   PipelineParams params = tinyParams();
   params.memory.memory = "elephant";
-  EXPECT_THROW(Mapper{params}, base::Error);
+  EXPECT_THROW(Pipeline{params}, base::Error);
   params = tinyParams();
   params.camera.file = "no/such/camera.ini";
-  EXPECT_THROW(Mapper{params}, base::Error);
+  EXPECT_THROW(Pipeline{params}, base::Error);
 }
 
 }  // namespace

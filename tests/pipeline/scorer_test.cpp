@@ -3,8 +3,8 @@
 #include "engram/pipeline/scorer.h"
 
 #include "engram/memory/models.h"
-#include "engram/pipeline/mapper.h"
 #include "engram/pipeline/perception.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/pipeline/place_match.h"
 #include "engram/vocabulary/word_index.h"
 #include "tiny_drive.h"
@@ -145,7 +145,7 @@ TEST(WordScorer, DoesNotDependOnThreads) {
 }
 
 TEST(WordScorer, MapperMapsWithIt) {
-  Mapper mapper(wordParams(30)), reference(tinyParams());
+  Pipeline mapper(wordParams(30)), reference(tinyParams());
   int recognised = 0, byMatches = 0;
   for (const auto& frame : firstDrive().frames) {
     recognised += mapper.process(frame).outcome == types::Outcome::kRecognised;

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/pipeline/view_mapper.h"
 
 #include "engram/base/error.h"
-#include "engram/pipeline/localizer.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
 #include "stereo_drive.h"
 
@@ -35,14 +34,13 @@ void cover(DriveFrames& drive, std::size_t first, std::size_t end) {
 }
 
 /// Shows frames and surveys the views that they become.
-std::vector<types::FrameReport> show(MapBuilder& mapper, const DriveFrames& drive, std::size_t from = 0,
+std::vector<types::FrameReport> show(Pipeline& mapper, const DriveFrames& drive, std::size_t from = 0,
                                      std::size_t to = 1000) {
   std::vector<types::FrameReport> reports;
   for (std::size_t i = from; i < std::min(to, drive.frames.size()); ++i) {
     reports.push_back(mapper.process(drive.frames[i]));
     const auto& report = reports.back();
-    if (mapper.map().places().contains(report.place))
-      mapper.map().survey(report.place, drive.T_world_robot[i]);
+    if (mapper.map().places().contains(report.place)) mapper.survey(report.place, drive.T_world_robot[i]);
     mapper.map().checkInvariants();
   }
   mapper.finish();
@@ -50,7 +48,7 @@ std::vector<types::FrameReport> show(MapBuilder& mapper, const DriveFrames& driv
 }
 
 map::TopologicalMap mapOf(const DriveFrames& drive, const PipelineParams& params = stereoParams()) {
-  ViewMapper mapper(params);
+  Pipeline mapper(params);
   show(mapper, drive);
   return mapper.map();
 }
@@ -108,7 +106,7 @@ std::string dumpOf(const map::TopologicalMap& map) {
 
 TEST(ViewMapper, MakesViewsByK20AndLinksThem) {
   const DriveFrames drive = blind(firstStereoDrive());
-  ViewMapper mapper(stereoParams());
+  Pipeline mapper(stereoParams());
   const auto reports = show(mapper, drive);
   const auto& map = mapper.map();
   ASSERT_GE(map.places().size(), 10u);
@@ -139,7 +137,7 @@ TEST(ViewMapper, SameFramesGiveTheSameMapWhateverTheThreads) {
 }
 
 TEST(ViewMapper, WakesUpAnywhereInTheMapAndJoinsIt) {
-  ViewMapper mapper(stereoParams(), firstMap());
+  Pipeline mapper(stereoParams(), firstMap());
   const std::size_t before = mapper.map().places().size();
   show(mapper, blind(secondStereoDrive()));
   const auto& map = mapper.map();
@@ -160,7 +158,7 @@ TEST(ViewMapper, ADriveFromOutsideHangsOnAWeakLinkUntilItMeetsTheMap) {
   DriveFrames end = first;  // a map of the last part alone
   end.frames.erase(end.frames.begin(), end.frames.begin() + 45);
   end.T_world_robot.erase(end.T_world_robot.begin(), end.T_world_robot.begin() + 45);
-  ViewMapper mapper(stereoParams(), mapOf(end));
+  Pipeline mapper(stereoParams(), mapOf(end));
   const auto reports = show(mapper, second, 0, 6);
   EXPECT_EQ(count(mapper.map(), EdgeType::kWeak), 1);
   EXPECT_FALSE(isOnePart(mapper.map()));
@@ -175,7 +173,7 @@ TEST(ViewMapper, ADriveFromOutsideHangsOnAWeakLinkUntilItMeetsTheMap) {
 TEST(ViewMapper, ARunOfFailuresLeavesOneWeakLink) {
   DriveFrames drive = blind(firstStereoDrive());
   cover(drive, 20, 34);
-  ViewMapper mapper(stereoParams());
+  Pipeline mapper(stereoParams());
   const auto reports = show(mapper, drive);
   EXPECT_EQ(count(mapper.map(), EdgeType::kWeak), 1);
   for (std::size_t i = 20; i < 34; ++i) {
@@ -189,7 +187,7 @@ TEST(ViewMapper, ARunOfFailuresLeavesOneWeakLink) {
 TEST(ViewMapper, WheelsBridgeWhatVisualOdometryCannot) {
   DriveFrames drive = firstStereoDrive();
   cover(drive, 20, 34);
-  ViewMapper mapper(stereoParams());
+  Pipeline mapper(stereoParams());
   show(mapper, drive);
   EXPECT_EQ(count(mapper.map(), EdgeType::kWeak), 0);
   EXPECT_TRUE(isOnePart(mapper.map()));
@@ -197,7 +195,7 @@ TEST(ViewMapper, WheelsBridgeWhatVisualOdometryCannot) {
 
   PipelineParams params = stereoParams();
   params.views.wheels = false;
-  ViewMapper without(params);
+  Pipeline without(params);
   show(without, drive);
   EXPECT_EQ(count(without.map(), EdgeType::kWeak), 1);
 }
@@ -211,7 +209,7 @@ TEST(ViewMapper, ForgetsViewsOfFullNeighbourhoods) {
   map::TopologicalMap bounded;
   int made = 0;
   for (int pass = 0; pass < 4; ++pass) {
-    ViewMapper mapper(params, std::move(bounded));
+    Pipeline mapper(params, std::move(bounded));
     for (const auto& report : show(mapper, blind(pass % 2 == 0 ? firstStereoDrive() : secondStereoDrive())))
       made += report.outcome == types::Outcome::kNewPlace;
     bounded = mapper.map();
@@ -226,7 +224,7 @@ TEST(ViewMapper, ForgetsViewsOfFullNeighbourhoods) {
 
 TEST(ViewMapper, TheLocalizerFindsViewsByTheirPoints) {
   const map::TopologicalMap& map = firstMap();
-  Localizer localizer(stereoParams(), map);
+  Pipeline localizer(stereoParams(), map, Use::kFrozen);
   int accepted = 0, right = 0, asked = 0;
   const DriveFrames& drive = secondStereoDrive();
   for (std::size_t i = 0; i < drive.frames.size(); i += 4) {
@@ -245,17 +243,17 @@ TEST(ViewMapper, TheLocalizerFindsViewsByTheirPoints) {
 TEST(ViewMapper, RefusesWhatDoesNotSuitStereoViews) {
   PipelineParams params = stereoParams();
   params.camera.stereo = false;
-  EXPECT_THROW(ViewMapper{params}, base::ConfigError);
+  EXPECT_THROW(Pipeline{params}, base::ConfigError);
   params = stereoParams();
   params.memory.memory = "fsh";
-  EXPECT_THROW(ViewMapper{params}, base::ConfigError);
+  EXPECT_THROW(Pipeline{params}, base::ConfigError);
   params = stereoParams();
   params.camera.file = ENGRAM_SOURCE_DIR "/share/cameras/omni_world.ini";
-  EXPECT_THROW(ViewMapper{params}, base::ConfigError);
+  EXPECT_THROW(Pipeline{params}, base::ConfigError);
 }
 
 TEST(ViewMapper, SaysWhatIsWrongWithAFrame) {
-  ViewMapper mapper(stereoParams());
+  Pipeline mapper(stereoParams());
   types::Frame frame = firstStereoDrive().frames[0];
   frame.right = cv::Mat();
   EXPECT_EQ(mapper.process(frame).reason, "the right image of the stereo camera is missing");

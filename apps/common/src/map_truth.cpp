@@ -38,10 +38,11 @@ void MapTruth::requireMatch(const map::TopologicalMap& map, std::ostream& notice
   if (const auto notice = match.notice(truth_); !notice.empty()) notices << notice << "\n";
 }
 
-void MapTruth::survey(map::TopologicalMap& map, const types::FrameReport& report) {
+void MapTruth::survey(pipeline::Pipeline& mapper, const types::FrameReport& report) {
   note(report);
   if (!hasPoses() || report.outcome != types::Outcome::kNewPlace) return;
-  if (const auto pose = evaluation::poseAt(poses_, report.stamp)) map.survey(report.place, *pose);
+  if (!mapper.map().places().contains(report.place)) return;  // it came and went
+  if (const auto pose = evaluation::poseAt(poses_, report.stamp)) mapper.survey(report.place, *pose);
 }
 
 evaluation::Verdict MapTruth::judgeClosure(const map::TopologicalMap& map, const types::FrameReport& report,

@@ -32,6 +32,7 @@ bool RunConfig::load(std::ostream& out) {
   base::Config config;
   bind(config);
   base::IniFile ini = base::IniFile::load(options.file);
+  const base::IniFile file = ini;
   const auto isCamera = [](const std::string& s) { return s.rfind("camera.file=", 0) == 0; };
   const bool cameraOverridden =
       std::any_of(options.overrides.begin(), options.overrides.end(), isCamera) || !cameraFile.empty();
@@ -43,17 +44,36 @@ bool RunConfig::load(std::ostream& out) {
   }
   capture::dropSensors(ini);
   config.read(ini);
+  pipeline::requireEffect(ini, pipeline, "--set");
+  requireEffect(file);
 
-  auto& file = pipeline.camera.file;
-  if (!file.empty() && !cameraOverridden && fs::path(file).is_relative())
-    file = (fs::path(options.file).parent_path() / file).lexically_normal().string();
+  auto& camera = pipeline.camera.file;
+  if (!camera.empty() && !cameraOverridden && fs::path(camera).is_relative())
+    camera = (fs::path(options.file).parent_path() / camera).lexically_normal().string();
   if (!options.dump) return false;
-  out << config.dump();
+  out << dump(config);
   if (liveSection.empty()) return true;
-  base::Config camera;
-  camera.bind(liveSection, live.camera);
-  out << camera.dump();
+  base::Config sensor;
+  sensor.bind(liveSection, live.camera);
+  out << sensor.dump();
   return true;
+}
+
+/// The file by itself: what the command line changes is not the file's fault.
+void RunConfig::requireEffect(base::IniFile file) const {
+  if (!liveSection.empty()) file.take(liveSection);
+  capture::dropSensors(file);
+  RunConfig alone;
+  base::Config config;
+  alone.bind(config);
+  config.read(file);
+  pipeline::requireEffect(file, alone.pipeline);
+}
+
+std::string RunConfig::dump(const base::Config& config) const {
+  return config.dump([this](const std::string& section, const std::string& key) {
+    return pipeline::whyInert(pipeline, section, key);
+  });
 }
 
 std::string RunConfig::dumpForMap() const {
@@ -61,7 +81,7 @@ std::string RunConfig::dumpForMap() const {
   copy.pipeline.recognise.threads = 1;  // the map does not depend on it
   base::Config config;
   copy.bind(config);
-  return config.dump();
+  return copy.dump(config);
 }
 
 }  // namespace engram::apps

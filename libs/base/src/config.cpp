@@ -160,12 +160,16 @@ void Config::read(const IniFile& ini) {
   }
 }
 
-std::string Config::dump() const {
+std::string Config::dump(const WhyInert& whyInert) const {
   std::ostringstream out;
   for (const auto& bound : sections_) {
     out << "[" << bound.name << "]\n";
-    for (const auto& field : bound.params.fields())
-      out << "# " << field.help << "\n" << field.key << " = " << field.print() << "\n";
+    for (const auto& field : bound.params.fields()) {
+      const std::string inert = whyInert ? whyInert(bound.name, field.key) : std::string();
+      out << "# " << field.help << "\n";
+      if (!inert.empty()) out << "# without effect: " << inert << "\n# ";
+      out << field.key << " = " << field.print() << "\n";
+    }
     out << "\n";
   }
   return out.str();

@@ -91,7 +91,7 @@ std::optional<types::Features> Perception::look(const types::Frame& frame, int m
   report.outcome = types::Outcome::kUnusable;
   report.reason = refusal(frame);
   if (!report.reason.empty()) return std::nullopt;
-  types::Features features = stereo_ ? lookWithBothEyes(frame) : (*this)(frame.image);
+  types::Features features = stereo_ ? (*this)(lookWithBothEyes(frame)) : (*this)(frame.image);
   report.features = static_cast<int>(features.size());
   if (report.features >= minFeatures) return features;
   report.reason = "too few features";
@@ -121,10 +121,10 @@ std::string Perception::refusal(const types::Frame& frame) {
   return {};
 }
 
-types::Features Perception::lookWithBothEyes(const types::Frame& frame) {
-  const types::StereoPair pair = rectified(frame);
+types::StereoPair Perception::lookWithBothEyes(const types::Frame& frame) {
+  types::StereoPair pair = rectified(frame);
   check_.add(pair);
-  return (*this)(pair);
+  return pair;
 }
 
 std::optional<odometry::StereoHealth> Perception::eyes() const {
@@ -176,6 +176,14 @@ map::MapHeader Perception::mapHeader(const std::string& memoryModel) const {
   header.descriptorDim = extractor_->dim();
   header.memoryModel = memoryModel;
   return header;
+}
+
+types::Features viewFeatures(const Perception& perception, const types::StereoPair& pair, int most) {
+  const types::Features all = perception(pair);
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < all.size() && kept.size() < static_cast<std::size_t>(most); ++i)
+    if (all.ranges[i] > 0) kept.push_back(static_cast<int>(i));
+  return all.subset(kept);
 }
 
 }  // namespace engram::pipeline

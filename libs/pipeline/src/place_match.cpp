@@ -90,4 +90,10 @@ PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& 
   return result;
 }
 
+PlaceMatch heldAgainst(const types::Features& view, const memory::PlaceMemory& place,
+                       const PipelineParams& params, const std::optional<StereoCamera>& stereo) {
+  return stereo ? matchToPlace(view, place, params.match, params.stereo, *stereo)
+                : matchToPlace(view, place, params.match, params.verify);
+}
+
 }  // namespace engram::pipeline

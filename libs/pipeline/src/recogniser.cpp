@@ -27,6 +27,7 @@ Recogniser::Recogniser(const PipelineParams& params, Mode mode, std::optional<St
       stereoVerify_(params.stereo),
       stereo_(std::move(stereo)),
       scorer_(makeScorer(params)),
+      usualSpacing_(params.place.spacing),
       spacing_(params.place.spacing),
       filter_(paramsFor(mode, params), mode == Mode::kMapping) {
   filter_.reset(0);
@@ -92,7 +93,8 @@ void Recogniser::count(const Passage& passage, int sign) {
   if (!passage.counts) return;
   counted_ += sign * passage.length;
   steps_ += sign;
-  if (steps_ > 0) spacing_ = 1e-9 * static_cast<double>(counted_) / static_cast<double>(steps_);
+  spacing_ =
+      counted_ > 0 ? 1e-9 * static_cast<double>(counted_) / static_cast<double>(steps_) : usualSpacing_;
 }
 
 /// The neighbours of a place anew, and its place in the chain.

@@ -71,12 +71,14 @@ void DriveWriter::openExisting(const types::Frame* first) {
 
 map::TopologicalMap DriveWriter::load() {
   if (!file_) return {};
-  return resumes_ ? file_->loadBeforeLastDrive() : file_->load();
+  map::TopologicalMap map = resumes_ ? file_->loadBeforeLastDrive() : file_->load();
+  stored_ = map.now();
+  return map;
 }
 
-void DriveWriter::forget(map::TopologicalMap& map, int firstKeptSession) {
+void DriveWriter::forget(const map::TopologicalMap& map, int firstKeptSession) {
   if (resumes_ || !file_) return;
-  file_->commit(map, map.takeChanges());
+  file_->commit(map, map.changesSince(stored_));
   file_->forgetRecords(firstKeptSession);
 }
 
@@ -102,31 +104,31 @@ void DriveWriter::begin(const types::Frame& first, int session, const map::MapHe
            .lastStamp = first.stamp};
 }
 
-void DriveWriter::commit(map::TopologicalMap& map, const types::FrameReport& report) {
-  if (!next_) return file_->commit(map, map.takeChanges(), &report);
+void DriveWriter::commit(const map::TopologicalMap& map, const types::FrameReport& report) {
+  if (!next_) return file_->commit(map, map.changesSince(stored_), &report);
   held_.push_back(report);
   const bool use = report.outcome != types::Outcome::kUnusable && report.outcome != types::Outcome::kSkipped;
   if (!use && held_.size() < kMostHeld) return;
   if (!file_) file_ = MapFile::create(std::move(*lock_), newHeader_, options_.overwrite);
   file_->beginDrive(*next_);
   next_.reset();
-  file_->commit(map, map.takeChanges(), std::exchange(held_, {}));
+  file_->commit(map, map.changesSince(stored_), std::exchange(held_, {}));
 }
 
-void DriveWriter::add(map::TopologicalMap& map, const types::FrameReport& report) {
+void DriveWriter::add(const map::TopologicalMap& map, const types::FrameReport& report) {
   if (added_++ >= recorded_.size()) return commit(map, report);
   const types::FrameReport& before = recorded_[added_ - 1];
   if (toJson(report, false) != toJson(before, false))
     throw base::Error("map '" + path_ + "': image " + std::to_string(report.index) + " of '" + source_ +
                       "' is not what was recorded of it. To resume needs the same rawlog, configuration and "
                       "program; the map was not changed");
-  if (added_ == recorded_.size()) file_->resumeDrive(map, map.takeChanges());
+  if (added_ == recorded_.size()) file_->resumeDrive(map, map.changesSince(stored_));
 }
 
-void DriveWriter::end(map::TopologicalMap& map, bool whole) {
+void DriveWriter::end(const map::TopologicalMap& map, bool whole) {
   // What a resumed drive has not come to yet stays as it is in the file.
   if (added_ < recorded_.size() || next_) return;
-  file_->commit(map, map.takeChanges());
+  file_->commit(map, map.changesSince(stored_));
   if (whole) file_->endDrive();
 }
 

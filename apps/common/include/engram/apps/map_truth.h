@@ -7,6 +7,7 @@
 #include "engram/evaluation/truth.h"
 #include "engram/evaluation/truth_match.h"
 #include "engram/map/topological_map.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/types/frame_report.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -35,7 +36,7 @@ class MapTruth {
   /// Takes note of an image of the run, for requireMatch().
   void note(const types::FrameReport& report);
   /// The same, and keeps the true pose of a place that the image of this report made, for later evaluation.
-  void survey(map::TopologicalMap& map, const types::FrameReport& report);
+  void survey(pipeline::Pipeline& mapper, const types::FrameReport& report);
 
   /// At the end of a whole run: throws base::Error when the truth cannot be that of its images; says to
   /// `notices` what was taken for granted.

@@ -5,6 +5,7 @@
 #include "engram/apps/program.h"
 #include "engram/capture/live_config.h"
 #include "engram/pipeline/params.h"
+#include "engram/pipeline/recipe.h"
 #include "engram/sources/rawlog_source.h"
 
 #include <string>
@@ -30,6 +31,8 @@ struct RunConfig {
 
  private:
   void bind(base::Config& config);
+  void requireEffect(base::IniFile file) const;
+  std::string dump(const base::Config& config) const;
 };
 
 }  // namespace engram::apps

@@ -4,6 +4,7 @@
 
 #include "engram/base/params.h"
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -51,8 +52,10 @@ class Config {
   /// not wholly a number, and values out of range, with file, line, section and key.
   void read(const IniFile& ini);
 
-  /// Every key in force with its meaning, readable by read().
-  std::string dump() const;
+  /// Why a key has no effect; empty when it has one. By section and key.
+  using WhyInert = std::function<std::string(const std::string&, const std::string&)>;
+  /// Every key in force with its meaning, readable by read(). Keys without effect are comments.
+  std::string dump(const WhyInert& whyInert = {}) const;
 
  private:
   struct Bound {

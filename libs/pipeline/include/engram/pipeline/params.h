@@ -77,7 +77,7 @@ struct OdometryParams {
 
 /// Section `[mapping]`.
 struct MappingParams {
-  std::string nodes = "places";  ///< what the nodes of the map are: see makeMapBuilder()
+  std::string nodes = "places";  ///< what the nodes of the map are: see recipeOf()
 
   void describe(base::Params& p);
 };
@@ -106,7 +106,7 @@ struct ViewParams {
   void describe(base::Params& p);
 };
 
-/// The whole configuration of the mappers and the Localizer.
+/// The whole configuration of a pipeline.
 struct PipelineParams {
   MappingParams mapping;
   CameraParams camera;

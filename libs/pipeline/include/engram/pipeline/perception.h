@@ -72,12 +72,14 @@ class Perception {
   const std::optional<StereoCamera>& stereo() const { return stereo_; }
   /// The rectified images of a frame that refusal() accepted, of a stereo camera.
   types::StereoPair rectified(const types::Frame& frame) const;
+  /// The same, of the next frame of a drive: eyes() takes note of it.
+  types::StereoPair lookWithBothEyes(const types::Frame& frame);
   /// Where the rectified left image may be used.
   const cv::Mat& rectifiedMask() const { return rectifier_->mask(); }
   /// Features of rectified images, with ranges.
   types::Features operator()(const types::StereoPair& pair) const;
 
-  /// What the pairs that look() has seen say of the eyes; none without a stereo camera.
+  /// What the pairs of the drive so far say of the eyes; none without a stereo camera.
   std::optional<odometry::StereoHealth> eyes() const;
 
   /// What a map made with this camera and extractor must be opened with again.
@@ -87,7 +89,6 @@ class Perception {
   std::string cameraText() const;
   void setRig(cameras::CameraRig rig);
   void setStereoRig(const cameras::StereoRig& rig);
-  types::Features lookWithBothEyes(const types::Frame& frame);
   types::Features describe(const cv::Mat& image) const;
 
   CameraParams params_;
@@ -104,5 +105,8 @@ class Perception {
   cv::Size expectedSize_;  // of the images as they come
   bool checkedFirst_ = false;
 };
+
+/// The features of a stereo view: the strongest whose range is known, at most so many (K-38).
+types::Features viewFeatures(const Perception& perception, const types::StereoPair& pair, int most);
 
 }  // namespace engram::pipeline

@@ -42,6 +42,10 @@ PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& 
                         const features::MatchParams& match, const geometry::StereoVerifyParams& verify,
                         const StereoCamera& camera);
 
+/// By the one or the other, as there is a stereo camera or not.
+PlaceMatch heldAgainst(const types::Features& view, const memory::PlaceMemory& place,
+                       const PipelineParams& params, const std::optional<StereoCamera>& stereo);
+
 /// Whether a match suffices to say that the robot is there.
 bool strongEnough(const PlaceMatch& match, const RecogniseParams& params);
 

@@ -101,6 +101,7 @@ class Recogniser {
   geometry::StereoVerifyParams stereoVerify_;
   std::optional<StereoCamera> stereo_;
   std::unique_ptr<Scorer> scorer_;
+  double usualSpacing_;                   // while no edge tells [m]
   double spacing_;                        // mean distance of neighbouring places [m]
   std::int64_t counted_ = 0, steps_ = 0;  // sum [nm] and number of the odometry edges
   belief::BayesFilter filter_;

@@ -46,31 +46,32 @@ class DriveWriter {
   map::TopologicalMap load();
 
   /// The path and the records of older drives were forgotten in this map: so they are in the file.
-  void forget(map::TopologicalMap& map, int firstKeptSession);
+  void forget(const map::TopologicalMap& map, int firstKeptSession);
   /// To be called with the first image, before it changes the map. The file is made or changed by the first
   /// image that is of use: a run without any leaves it as it is.
   /// @param header for a new map
   /// Throws base::Error when the map has learnt this drive already.
   void begin(const types::Frame& first, int session, const map::MapHeader& header);
   /// The map has learnt one more image. Throws base::Error when it is not what was recorded of it.
-  void add(map::TopologicalMap& map, const types::FrameReport& report);
+  void add(const map::TopologicalMap& map, const types::FrameReport& report);
   /// Whether the last add() was of an image that the map had held already.
   bool replayed() const { return added_ <= recorded_.size(); }
   /// @param whole all images were there; otherwise the drive can be resumed
-  void end(map::TopologicalMap& map, bool whole);
+  void end(const map::TopologicalMap& map, bool whole);
 
   /// After begin(), or for a map that exists.
   MapFile& file() { return *file_; }
 
  private:
   void openExisting(const types::Frame* first);
-  void commit(map::TopologicalMap& map, const types::FrameReport& report);
+  void commit(const map::TopologicalMap& map, const types::FrameReport& report);
   void requireNew(std::uint32_t fingerprint) const;
 
   std::string path_, source_;
   DriveOptions options_;
   std::optional<WriterLock> lock_;  // until there is a file that holds it
   std::optional<MapFile> file_;
+  map::Cursor stored_;  // changes up to here are in the file
   map::MapHeader newHeader_;
   std::optional<Drive> next_;             // to begin
   std::vector<types::FrameReport> held_;  // of its images so far

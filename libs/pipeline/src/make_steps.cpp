@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "make_steps.h"
+
+#include "perceive_steps.h"
+#include "place_steps.h"
+#include "recognise_steps.h"
+#include "view_steps.h"
+
+namespace engram::pipeline {
+namespace {
+
+std::unique_ptr<SelectStep> makeSelect(Select select) {
+  if (select == Select::kMotion) return std::make_unique<MotionSelect>();
+  if (select == Select::kKeyframe) return std::make_unique<KeyframeSelect>();
+  return std::make_unique<EverySelect>();
+}
+
+/// Recognise and Verify share what was matched for the one in the other.
+void addRecognition(const Recipe& recipe, const Run& run, Steps& steps) {
+  if (recipe.recognise == Recognise::kIndex) {
+    steps.recognise = std::make_unique<IndexStep>(run);
+    steps.verify = std::make_unique<AllViewsStep>();
+    return;
+  }
+  const bool builds = recipe.verify == Verify::kOneOnTerrain;
+  auto recogniser = std::make_shared<Recogniser>(
+      run.params, builds ? Recogniser::Mode::kMapping : Recogniser::Mode::kLocalisation,
+      run.perception.stereo());
+  recogniser->load(run.map);
+  steps.recognise = std::make_unique<BeliefStep>(recogniser);
+  steps.verify = std::make_unique<OnePlaceStep>(
+      recogniser, builds ? OnePlaceStep::Fit::kTerrain : OnePlaceStep::Fit::kWay);
+}
+
+std::unique_ptr<DecideStep> makeDecide(Decide decide) {
+  if (decide == Decide::kPlace) return std::make_unique<PlaceDecide>();
+  if (decide == Decide::kView) return std::make_unique<ViewDecide>();
+  return std::make_unique<KnownDecide>();
+}
+
+std::unique_ptr<RememberStep> makeRemember(Remember remember, const Run& run) {
+  if (remember == Remember::kPlace) return std::make_unique<PlaceRemember>(run);
+  if (remember == Remember::kView) return std::make_unique<ViewRemember>();
+  if (remember == Remember::kLater) return std::make_unique<LaterRemember>(run);
+  return std::make_unique<NothingRemembered>();
+}
+
+std::unique_ptr<RelateStep> makeRelate(Relate relate, const std::optional<upkeep::Budget>& budget) {
+  if (relate == Relate::kPlace) return std::make_unique<PlaceRelate>();
+  if (relate == Relate::kView) return std::make_unique<ViewRelate>(budget);
+  return std::make_unique<FollowRelate>();
+}
+
+std::unique_ptr<RelaxStep> makeRelax(Relax relax, const Run& run) {
+  if (relax == Relax::kPlace) return std::make_unique<PlaceRelax>(run);
+  if (relax == Relax::kView) return std::make_unique<ViewRelax>(run);
+  return nullptr;
+}
+
+}  // namespace
+
+Steps makeSteps(const Recipe& recipe, const Run& run) {
+  std::optional<upkeep::Budget> budget;
+  if (recipe.forget == Forget::kLruViews) budget = run.params.upkeep.budget(run.params.stereo.min_inliers);
+  Steps steps;
+  if (recipe.perceive == Perceive::kPair)
+    steps.perceive = std::make_unique<PairStep>();
+  else
+    steps.perceive = std::make_unique<FeaturesStep>();
+  if (recipe.move == Move::kEyes)
+    steps.move = std::make_unique<EyesStep>(run);
+  else
+    steps.move = std::make_unique<WheelsStep>();
+  steps.select = makeSelect(recipe.select);
+  addRecognition(recipe, run, steps);
+  steps.decide = makeDecide(recipe.decide);
+  steps.remember = makeRemember(recipe.remember, run);
+  steps.relate = makeRelate(recipe.relate, budget);
+  if (budget) steps.forget = std::make_unique<LruForget>(*budget);
+  steps.relax = makeRelax(recipe.relax, run);
+  return steps;
+}
+
+}  // namespace engram::pipeline
