@@ -240,6 +240,34 @@ TEST(ViewMapper, TheLocalizerFindsViewsByTheirPoints) {
   EXPECT_GE(accepted, asked / 2);
 }
 
+/// Both eyes measure where a place is seen from; wheels that slip must not say otherwise where they did.
+TEST(StereoPlaces, EdgesAreAsBothEyesMeasuredThem) {
+  DriveFrames drive = firstStereoDrive();
+  const Eigen::Isometry3d T_odom_start = *drive.frames.front().T_odom_robot;
+  for (auto& frame : drive.frames) {
+    Eigen::Isometry3d T_start_robot = T_odom_start.inverse() * *frame.T_odom_robot;
+    T_start_robot.translation() *= 1.15;
+    frame.T_odom_robot = T_start_robot;
+  }
+  PipelineParams params = stereoParams();
+  params.mapping.nodes = "places";
+  params.select.min_distance = 0.15;
+  params.place.spacing = 0.5;
+  Pipeline mapper(params);
+  show(mapper, drive);
+  mapper.finish();
+  std::vector<double> errors, lengths;
+  for (const auto& [id, e] : mapper.map().edges()) {
+    errors.push_back(errorOf(mapper.map(), e.a, e.b, e.T_a_b.T_a_b));
+    lengths.push_back(e.T_a_b.T_a_b.translation().norm());
+  }
+  ASSERT_GE(errors.size(), 5u);
+  std::sort(errors.begin(), errors.end());
+  std::sort(lengths.begin(), lengths.end());
+  EXPECT_GT(lengths[lengths.size() / 2], 0.35);
+  EXPECT_LT(errors[errors.size() / 2], 0.02) << "the wheels would be wrong by 5 cm";
+}
+
 TEST(ViewMapper, RefusesWhatDoesNotSuitStereoViews) {
   PipelineParams params = stereoParams();
   params.camera.stereo = false;

@@ -16,6 +16,16 @@ Eigen::Isometry3d withRotation(const Eigen::Matrix3d& R, const Eigen::Vector3d& 
   return T;
 }
 
+/// As measured by both eyes, with the least covariance that an edge may have.
+std::optional<types::RelPose> measured(const Run& run, const PlaceMatch& match) {
+  if (!match.verified() || !match.T_place_robot) return std::nullopt;
+  const double sigma = run.params.odometry.sigma_floor;
+  types::RelPose T = *match.T_place_robot;
+  T.T_a_b = types::rigid(T.T_a_b);
+  T.cov += types::Matrix6d::Identity() * sigma * sigma;
+  return T;
+}
+
 bool isRecent(const Run& run, base::PlaceId place) {
   return run.robot.frontier() && run.robot.recent().contains(place);
 }
@@ -71,6 +81,8 @@ bool fitsTerrain(const Run& run, const Link& link) {
 }
 
 types::RelPose motionFrom(const Run& run, base::PlaceId from, std::span<const Link> links) {
+  for (const auto& [id, match] : links)
+    if (const auto seen = measured(run, match); id == from && seen) return *seen;
   const base::PlaceId anchor = run.robot.anchor();
   if (from == anchor)
     if (const auto motion = run.robot.motion()) return *motion;
@@ -85,6 +97,7 @@ types::RelPose motionFrom(const Run& run, base::PlaceId from, std::span<const Li
 }
 
 types::RelPose atPlace(const Run& run, const Link& link) {
+  if (const auto seen = measured(run, link.match)) return *seen;
   const double extent = 0.5 * run.params.place.spacing;
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
   if (run.robot.metric() && !isClosure(run, link.place)) {

@@ -35,12 +35,12 @@ bool fitsWay(const Run& run, const Link& link);
 /// Whether it is of this place, or of a new one beside it (F-07); a closure needs the matches of one.
 bool fitsTerrain(const Run& run, const Link& link);
 
-/// Relative pose of where the robot is, seen from a place: by odometry; else the direction of the two-view
-/// geometry, one spacing long (F-05: planar motion up to scale).
+/// Relative pose of where the robot is, seen from a place: as both eyes measured it; else by odometry; else
+/// the direction of the two-view geometry, one spacing long (F-05: planar motion up to scale).
 types::RelPose motionFrom(const Run& run, base::PlaceId from, std::span<const Link> links);
 
-/// Where the robot is, seen from the place that it is recognised at: at the place itself, unless
-/// odometry knows better.
+/// Where the robot is, seen from the place that it is recognised at: as both eyes measured it; else at the
+/// place itself, unless odometry knows better.
 types::RelPose atPlace(const Run& run, const Link& link);
 
 /// The edge that recognising a far place adds, and its type.
