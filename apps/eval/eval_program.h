@@ -3,12 +3,12 @@
 #pragma once
 
 #include "engram/apps/program.h"
-#include "images_command.h"
-#include "memory_command.h"
-#include "odometry_command.h"
-#include "tours_command.h"
-#include "views_command.h"
-#include "words_command.h"
+#include "images/images_command.h"
+#include "memory/memory_command.h"
+#include "odometry/odometry_command.h"
+#include "tours/tours_command.h"
+#include "views/views_command.h"
+#include "words/words_command.h"
 
 namespace engram::apps {
 

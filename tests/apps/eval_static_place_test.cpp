@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "static_place.h"
+#include "memory/static_place.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/base/rng.h"
 #include "eval_program.h"
-#include "loop_benchmark.h"
-#include "loop_figures.h"
 #include "program_run.h"
+#include "words/loop_benchmark.h"
+#include "words/loop_figures.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

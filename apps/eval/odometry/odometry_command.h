@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/evaluation/drift.h"
+#include "engram/sources/rawlog_source.h"
+#include "odometry/odometry_run.h"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json_fwd.hpp>
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace engram::apps {
+
+/// engram-eval odometry: visual odometry from a stereo rawlog, against ground truth where there is one.
+class OdometryCommand {
+ public:
+  void declare(CLI::App& command);
+  int run(std::ostream& out, std::ostream& err);
+
+ private:
+  /// True when --dump-config was served.
+  bool readConfig(std::ostream& out);
+  void checkOutput() const;
+  cameras::StereoRig rigOf(const sources::RawlogSource& source) const;
+  void drive(sources::RawlogSource& source, std::ostream& err);
+  void measureDrift();
+  nlohmann::json figures() const;
+  void writeFiles() const;
+
+  std::string rawlog_, camera_, truth_, folder_, json_, config_;
+  std::vector<std::string> overrides_;
+  bool wheels_ = false, fitBody_ = false, dump_ = false, overwrite_ = false, quiet_ = false;
+  int every_ = 1;
+  sources::RawlogParams source_;
+  odometry::OdometryParams odometry_;
+
+  OdometryDrive drive_;
+  odometry::StereoHealth health_;
+  evaluation::Drift drift_;
+  double bodyAngle_ = 0;  // [rad] of --fit-body
+};
+
+}  // namespace engram::apps

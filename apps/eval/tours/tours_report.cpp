@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tours/tours_report.h"
+
+#include "engram/exporters/charts.h"
+#include "engram/exporters/page.h"
+
+#include <algorithm>
+
+namespace engram::apps {
+namespace {
+
+using evaluation::Interval;
+using exporters::Cell;
+using exporters::Curve;
+
+Cell percent(const Interval& i) { return {100 * i.value, 100 * i.low, 100 * i.high, 1}; }
+
+exporters::Table comparison(const std::vector<ToursFigure>& figures, int few) {
+  exporters::Table table;
+  table.caption =
+      "All images of all tours but the first, with 95 % intervals by bootstrap over tours. Failure: "
+      "the place with the most matched points is neither the last place that the robot passed nor "
+      "the next one";
+  table.header = {"method",
+                  "failure [%]",
+                  "not the nearest [%]",
+                  "under " + std::to_string(few) + " points [%]",
+                  "points, mean",
+                  "learnt from [%]",
+                  "of these wrong [%]"};
+  table.rowHeads = true;
+  for (const auto& f : figures)
+    table.rows.push_back({f.method, percent(f.failure), percent(f.strict), percent(f.few),
+                          Cell(f.matched.mean, 1), Cell(100 * f.learnt, 1), Cell(100 * f.learntWrong, 1)});
+  for (std::size_t c = 1; c <= 3; ++c) markBestOfColumn(table, c, exporters::Best::kSmallest);
+  table.rows.push_back({"paper, adaptive", Cell(1.5, 1), "", Cell(24.0, 0), Cell(98.8, 1), "", ""});
+  table.rows.push_back({"paper, static", Cell(3.5, 1), "", Cell(43.0, 0), Cell(45.2, 1), "", ""});
+  return table;
+}
+
+/// One curve a method over the tours.
+template <class Value>
+std::vector<Curve> overTours(const std::vector<ToursRun>& runs, Value value) {
+  std::vector<Curve> curves;
+  for (const ToursRun& run : runs) {
+    curves.push_back({run.method, static_cast<int>(curves.size()), {}});
+    for (const TourRecord& tour : run.tours)
+      curves.back().points.push_back({static_cast<double>(tour.tour), {value(run, tour)}});
+  }
+  return curves;
+}
+
+double failureShare(const ToursRun& run, const TourRecord& tour) {
+  const TourPlaces truth = run.truth();
+  const auto failed = std::count_if(tour.queries.begin(), tour.queries.end(), [&](const TourQuery& q) {
+    return q.winner < 0 || !truth.brackets(q.winner, q.arc);
+  });
+  return 100.0 * static_cast<double>(failed) /
+         std::max<double>(1.0, static_cast<double>(tour.queries.size()));
+}
+
+std::vector<exporters::Distribution> matchedPoints(const std::vector<ToursRun>& runs) {
+  std::vector<exporters::Distribution> all;
+  for (const ToursRun& run : runs) {
+    all.push_back({run.method, static_cast<int>(all.size()), {}});
+    for (const TourRecord& tour : run.tours)
+      for (const TourQuery& q : tour.queries) all.back().values.push_back(q.matched);
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string toHtml(const std::vector<ToursFigure>& figures, const std::vector<ToursRun>& runs,
+                   const ToursParams& params, const std::string& settings, std::uint64_t seed) {
+  exporters::Page page("Tours: two months in a changing building");
+  page.paragraph("A robot drives the simulated building (" + params.preset + ", seed " +
+                 std::to_string(seed) + ") " + std::to_string(params.tours) + " times. " +
+                 std::to_string(params.places) +
+                 " places are made from the first tour. Every image of the others is located by itself: the "
+                 "place with the most matched points wins, and learns when geometry confirms it.");
+  page.table(comparison(figures, params.few_matches));
+  page.beginRow();
+  page.figure(
+      exporters::curveChart({"Failures", "tour", "failures [% of images]"}, overTours(runs, failureShare)),
+      "Failures of global localisation on each tour");
+  page.figure(exporters::cumulativeChart(
+                  {"Matched points", "points matched with the winner", "images [%]"}, matchedPoints(runs),
+                  exporters::Threshold{static_cast<double>(params.few_matches),
+                                       std::to_string(params.few_matches) + " points"}),
+              "Cumulative distribution of the matched points (compare figure 8 of the paper)");
+  page.figure(exporters::curveChart(
+                  {"Long-term memory", "tour", "features a place"},
+                  overTours(runs, [](const ToursRun&, const TourRecord& t) { return t.holdings.longTerm; })),
+              "Long-term features a place after each tour (compare figure 5 of the paper)");
+  page.figure(exporters::curveChart(
+                  {"Short-term memory", "tour", "features a place"},
+                  overTours(runs, [](const ToursRun&, const TourRecord& t) { return t.holdings.shortTerm; })),
+              "Short-term features a place after each tour");
+  page.endRow();
+  page.heading("What made this page");
+  page.paragraph("Seed " + std::to_string(seed) + ". The same command gives the same figures.");
+  page.preformatted(settings, "configuration");
+  return page.html();
+}
+
+}  // namespace engram::apps

@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/exporters/charts.h"
+#include "engram/exporters/page.h"
+#include "words/words_report.h"
+
+#include <algorithm>
+
+namespace engram::apps {
+namespace {
+
+using exporters::Cell;
+using exporters::Curve;
+using exporters::Page;
+
+Cell whole(int number) { return Cell(static_cast<double>(number), 0); }
+
+/// "5.2" with "(4.1)" behind it.
+Cell meanAndStd(const MeanStd& m) {
+  if (m.count == 0) return "–";
+  Cell cell(m.mean, 1);
+  const Cell deviation(m.std, 1);
+  cell.detail = "(" + deviation.text + ")";
+  return cell;
+}
+
+void addMappingTable(Page& page, const WordsWorldResult& result) {
+  exporters::Table table;
+  table.caption =
+      "Mapping. Images: those that the rule of 0.5 m or 30 degrees uses. Joined: images put to a place that "
+      "was there already. Closures: edges to a place that the graph had no short way to. Trajectory errors "
+      "are root mean squares after alignment: of the odometry alone, of the map as it grew without any "
+      "relaxation, and of that same map relaxed once by each relaxer";
+  table.header = {"building",       "drive [m]",     "images",           "places",       "joined",
+                  "of these wrong", "true closures", "false closures",   "odometry [m]", "before [m]",
+                  "ceres [m]",      "duckett [m]",   "mrpt_levmarq [m]", "CPU [s]"};
+  table.rowHeads = true;
+  for (const auto& run : result.mapping) {
+    std::vector<Cell> row{run.building,
+                          Cell(run.length, 0),
+                          whole(run.images),
+                          whole(run.places),
+                          whole(run.recognised),
+                          whole(run.recognisedWrong),
+                          whole(run.closuresThatAre(true)),
+                          whole(run.closuresThatAre(false)),
+                          Cell(run.ateOdometry, 2),
+                          Cell(run.ateBefore, 2)};
+    for (const auto& name : comparedRelaxers()) {
+      const auto& ate = run.after.at(name).ate;
+      row.push_back(ate ? Cell(*ate, 2) : Cell("–"));
+    }
+    row.push_back(Cell(run.cpuSeconds, 1));
+    table.rows.push_back(row);
+    markBestOfRow(table, table.rows.size() - 1, exporters::Best::kSmallest);
+  }
+  page.table(table);
+}
+
+Curve curveOf(const std::string& label, int style, const MappingRun::Path& path) {
+  Curve curve{label, style, {}};
+  for (const auto& p : path) curve.points.push_back({p.x(), {p.y()}});
+  return curve;
+}
+
+void addPaths(Page& page, const WordsWorldResult& result, const WordsPlan& plan) {
+  for (const auto& run : result.mapping) {
+    const auto drive = std::find_if(plan.drives.begin(), plan.drives.end(),
+                                    [&](const PlannedDrive& d) { return d.name == run.building; });
+    page.heading("Map: " + run.building);
+    page.paragraph(drive->about);
+    Curve right{"true closure", 2, {}}, wrong{"false closure", 4, {}};
+    for (const auto& c : run.closures)
+      (c.right ? right : wrong).points.push_back({c.position.x(), {c.position.y()}});
+    std::vector<Curve> marks;
+    for (const Curve& c : {right, wrong})
+      if (!c.points.empty()) marks.push_back(c);
+    page.beginRow();
+    const Curve truth = curveOf("truth", 0, run.truth);
+    page.figure(
+        exporters::pathChart(
+            {"Without relaxation", "x [m]", "y [m]"},
+            {truth, curveOf("odometry", 3, run.odometry), curveOf("map as it grew", 1, run.before)}),
+        "The robot's way by odometry, and by the map before any relaxation (compare figure 5, top, of "
+        "the paper)");
+    page.figure(exporters::pathChart({"Relaxed", "x [m]", "y [m]"},
+                                     {truth, curveOf("map, relaxed by ceres", 1, run.relaxed)}, marks),
+                "The same map relaxed, with the closures where the robot was (compare figure 5, bottom)");
+    page.endRow();
+    exporters::Table table;
+    table.caption = "All closures of " + run.building;
+    table.header = {"image",      "place", "made by image", "true distance [m]",
+                    "turn [deg]", "right", "in the map"};
+    for (const auto& c : run.closures)
+      table.rows.push_back({Cell(static_cast<double>(c.image), 0), Cell(static_cast<double>(c.place), 0),
+                            Cell(static_cast<double>(c.placeImage), 0), Cell(c.distance, 2),
+                            Cell(c.turn * 180 / M_PI, 0), c.right ? "yes" : "no",
+                            c.kept ? "yes" : "dropped"});
+    page.table(table);
+  }
+}
+
+void addLocalisationTable(Page& page, const WordsWorldResult& result) {
+  exporters::Table table;
+  table.caption =
+      "Global localisation, mean and standard deviation. Trials: images until one was accepted. Trackings: "
+      "images in a row after it that were accepted at the right place. Wrong: accepted images at a wrong "
+      "place. Never: attempts that found nothing before the drive ended";
+  table.header = {"setting",   "transition", "attempts", "trials", "trackings",
+                  "wrong [%]", "never",      "images",   "learnt", "CPU an image [ms]"};
+  for (const auto& run : result.localisation) {
+    const ProtocolFigures f = figuresOf(run.attempts);
+    table.rows.push_back({run.setting, run.transition, whole(f.attempts), meanAndStd(f.trials),
+                          meanAndStd(f.trackings), Cell(100 * f.wrongShare(), 1), whole(f.never),
+                          whole(run.shown), whole(run.learned), Cell(run.msPerImage, 0)});
+  }
+  table.rows.push_back({"paper, indoor", "Gaussians", whole(100), meanAndStd({5, 4, 1}),
+                        meanAndStd({5, 3, 1}), "", "", whole(327), whole(190), whole(115)});
+  table.rows.push_back({"paper, outdoor", "Gaussians", whole(100), meanAndStd({2, 1, 1}),
+                        meanAndStd({12, 10, 1}), "", "", whole(531), whole(230), whole(644)});
+  page.table(table);
+}
+
+void addEnds(Page& page, const WordsWorldResult& result) {
+  exporters::Table table;
+  table.caption =
+      "What ended the tracking, of the attempts that found their place (the paper: the filter usually goes "
+      "on "
+      "to be right, and geometry refuses)";
+  table.header = {"setting", "transition"};
+  for (std::size_t k = 0; k < kMisses; ++k) table.header.push_back(toString(static_cast<Miss>(k)));
+  for (const auto& run : result.localisation) {
+    const ProtocolFigures f = figuresOf(run.attempts);
+    std::vector<Cell> row{run.setting, run.transition};
+    for (const int n : f.ends) row.push_back(whole(n));
+    table.rows.push_back(row);
+  }
+  page.table(table);
+}
+
+void addDistributions(Page& page, const WordsWorldResult& result, const WordsPlan& plan) {
+  for (const auto& setting : plan.settings) {
+    std::vector<exporters::Distribution> trials, trackings;
+    for (const auto& run : result.localisation) {
+      if (run.setting != setting.name) continue;
+      const int style = static_cast<int>(trials.size());
+      trials.push_back({run.transition, style, {}});
+      trackings.push_back({run.transition, style, {}});
+      for (const Attempt& a : run.attempts) {
+        if (!a.located) continue;
+        trials.back().values.push_back(a.trials);
+        trackings.back().values.push_back(a.trackings);
+      }
+    }
+    page.beginRow();
+    page.figure(exporters::cumulativeChart(
+                    {"Trials, " + setting.name, "images until accepted", "attempts [%]"}, trials),
+                "Trials in the setting " + setting.name + " (" + setting.about + "); left is better");
+    page.figure(exporters::cumulativeChart({"Trackings, " + setting.name, "images in a row", "attempts [%]"},
+                                           trackings),
+                "Trackings in the setting " + setting.name + "; right is better");
+    page.endRow();
+  }
+}
+
+}  // namespace
+
+std::string toHtml(const WordsWorldResult& result, const WordsPlan& plan, const WordsWorldParams& params,
+                   const std::string& settings, std::uint64_t seed) {
+  Page page("Words, odometry and geometry: mapping and localisation");
+  page.paragraph("The experiments of Angeli, Doncieux, Meyer and Filliat (2009) on simulated drives (seed " +
+                 std::to_string(seed) +
+                 "). A robot with an ordinary camera and odometry drives its tour, and goes on into the next "
+                 "round without "
+                 "being told. A place counts as right when the robot is within " +
+                 Cell(params.right_within, 1).text + " m of it.");
+  page.heading("Mapping");
+  addMappingTable(page, result);
+  page.note(
+      "The paper's run: 209 images used, 7 joined to places that were there (the paper calls these "
+      "closures), none wrong, 202 places, 178 s for a drive of 310 s.");
+  page.heading("Global localisation");
+  page.paragraph(
+      "The map is made from the first round. " + std::to_string(params.attempts) +
+      " times an image of the second one is drawn, every place is equally likely, and the images that follow "
+      "are shown until one is accepted; then as long as each is accepted at the right place.");
+  addLocalisationTable(page, result);
+  for (const Transition& t : transitions()) page.note(t.name + ": " + t.meaning + ".");
+  addEnds(page, result);
+  addDistributions(page, result, plan);
+  addPaths(page, result, plan);
+  page.heading("What made this page");
+  page.paragraph("Seed " + std::to_string(seed) +
+                 ". The same command gives the same figures, but for processor times.");
+  page.preformatted(settings, "configuration");
+  return page.html();
+}
+
+}  // namespace engram::apps
