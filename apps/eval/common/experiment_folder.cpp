@@ -39,11 +39,12 @@ int ExperimentOptions::threadsInUse() const {
 }
 
 void claimFolder(const ExperimentOptions& options, const std::string& settings,
-                 std::initializer_list<const char*> results) {
+                 const std::vector<std::string>& results) {
   if (options.folder.empty()) throw UsageError("--out is needed: a folder for the results");
   base::requireWritable(options.json);
-  makeFolder(options.folder, results);
+  makeFolder(options.folder);
   const fs::path folder = options.folder, file = folder / "experiment.ini";
+  for (const auto& name : results) base::requireWritable((folder / name).string());
   if (fs::exists(file)) {
     std::ifstream in(file);
     std::ostringstream before;

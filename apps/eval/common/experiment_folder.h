@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdint>
-#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -30,6 +29,6 @@ struct ExperimentOptions {
 /// settings and `overwrite` is false; with it, the results of that experiment are removed. Throws it too when
 /// one of the files `results` cannot be written there.
 void claimFolder(const ExperimentOptions& options, const std::string& settings,
-                 std::initializer_list<const char*> results);
+                 const std::vector<std::string>& results);
 
 }  // namespace engram::apps

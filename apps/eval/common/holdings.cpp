@@ -4,6 +4,8 @@
 
 #include "engram/store/feature_file.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -23,6 +25,20 @@ Holdings holdingsOf(const std::vector<const memory::PlaceMemory*>& places) {
   h.shortTermSigma = meanAndSigma(shortTerm).sigma;
   h.bytesPerPlace /= static_cast<double>(places.size());
   return h;
+}
+
+nlohmann::json toJson(const Holdings& h) {
+  return {{"long_term", h.longTerm},
+          {"long_term_sigma", h.longTermSigma},
+          {"short_term", h.shortTerm},
+          {"short_term_sigma", h.shortTermSigma},
+          {"bytes_per_place", h.bytesPerPlace}};
+}
+
+Holdings holdingsFrom(const nlohmann::json& object) {
+  const auto number = [&](const char* key) { return object.at(key).get<double>(); };
+  return {number("long_term"), number("short_term"), number("long_term_sigma"), number("short_term_sigma"),
+          number("bytes_per_place")};
 }
 
 MeanSigma meanAndSigma(const std::vector<double>& values) {

@@ -4,6 +4,8 @@
 
 #include "engram/memory/place_memory.h"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <vector>
 
 namespace engram::apps {
@@ -19,6 +21,10 @@ struct Holdings {
 
 /// Of at least one place.
 Holdings holdingsOf(const std::vector<const memory::PlaceMemory*>& places);
+
+/// For the files that an experiment keeps; `holdingsFrom` takes an object that may hold more.
+nlohmann::json toJson(const Holdings& holdings);
+Holdings holdingsFrom(const nlohmann::json& object);
 
 struct MeanSigma {
   double mean = 0, sigma = 0;

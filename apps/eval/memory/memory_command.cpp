@@ -110,9 +110,9 @@ int MemoryCommand::run(std::ostream& out, std::ostream& err) {
   const std::vector<Method> methods = chosenMethods();
   claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) + "\n",
               {"results.csv", "sweeps.csv", "report.html"});
-  const MemoryLab::Options labOptions{options_.folder, options_.seed, options_.threadsInUse(),
-                                      options_.quiet ? nullptr : &err};
-  MemoryLab lab(lab_, pipeline_, labOptions);
+  const Workplace place{options_.folder, options_.seed, options_.threadsInUse(),
+                        options_.quiet ? nullptr : &err};
+  MemoryLab lab(lab_, pipeline_, place);
   lab.record();
   const auto runs = lab.run(methods, conditions(), "runs");
   const auto figures = figuresOf(runs, lab.sequences(), lab_.sequence_length);
@@ -122,7 +122,7 @@ int MemoryCommand::run(std::ostream& out, std::ostream& err) {
   if (methods_.empty()) {
     const std::vector<Condition> extremes{conditions().front(), conditions().back()};
     if (!options_.quick) sweeps = lab.run(sweptMethods(pipeline_), extremes, "sweeps");
-    places = staticPlace(staticPlace_, lab_.preset, pipeline_, labOptions);
+    places = staticPlace(staticPlace_, lab_.preset, pipeline_, place);
   }
   const MemoryReport report{figures,
                             runs,

@@ -2,21 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "memory/memory_lab.h"
 
+#include "common/kept_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
-#include "engram/base/parallel.h"
 #include "engram/base/progress.h"
 #include "engram/base/rng.h"
 #include "memory/method_run_file.h"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <mutex>
 #include <optional>
 
 namespace engram::apps {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr int kBlocksPerDrive = 8;
@@ -67,8 +64,8 @@ const std::vector<Condition>& conditions() {
 
 double ringDistance(double a, double b, double places) { return std::abs(std::remainder(a - b, places)); }
 
-MemoryLab::MemoryLab(const MemoryLabParams& params, const pipeline::PipelineParams& pipeline, Options options)
-    : params_(params), pipeline_(pipeline), options_(std::move(options)) {
+MemoryLab::MemoryLab(const MemoryLabParams& params, const pipeline::PipelineParams& pipeline, Workplace place)
+    : params_(params), pipeline_(pipeline), place_(std::move(place)) {
   base::validate(params_);
 }
 
@@ -78,17 +75,16 @@ double MemoryLab::trueStation(const Sample& sample) const {
 
 void MemoryLab::record() {
   world::WorldParams params;
-  params.seed = options_.seed;
+  params.seed = place_.seed;
   const world::World world = world::World::preset(params_.preset, params);
   params.drive.spacing = params_.test_spacing;
   const world::World testWorld = world::World::preset(params_.preset, params);
-  const std::string folder = (fs::path(options_.folder) / "drives").string();
-  fs::create_directories(folder);
-  DriveRecorder tours(world, world::presetEyes("omni"), pipeline_.extractor, {folder, 0.0, options_.threads});
+  const std::string folder = place_.subfolder("drives");
+  DriveRecorder tours(world, world::presetEyes("omni"), pipeline_.extractor, {folder, 0.0, place_.threads});
   DriveRecorder tests(testWorld, world::presetEyes("omni"), pipeline_.extractor,
-                      {folder, params_.noise, options_.threads});
+                      {folder, params_.noise, place_.threads});
 
-  base::Progress progress(options_.progress, "recording");
+  base::Progress progress(place_.progress, "recording");
   const int all = params_.updates + params_.test_days;
   std::size_t images = 0;
   drives_ = {};
@@ -104,7 +100,7 @@ void MemoryLab::record() {
     (test ? drives_.tests : drives_.tours).push_back(std::move(drive));
   }
   progress.finish();
-  sequences_ = drawSequences(drives_.tests, params_, options_.seed);
+  sequences_ = drawSequences(drives_.tests, params_, place_.seed);
 }
 
 std::vector<LearnView> MemoryLab::learnViews(const RecordedDrive& drive) const {
@@ -122,19 +118,12 @@ std::vector<LearnView> MemoryLab::learnViews(const RecordedDrive& drive) const {
 
 std::vector<MethodRun> MemoryLab::run(const std::vector<Method>& methods,
                                       const std::vector<Condition>& conditions, const std::string& kind) {
-  const fs::path folder = fs::path(options_.folder) / kind;
-  fs::create_directories(folder);
+  const std::string folder = place_.subfolder(kind);
   std::vector<MethodRun> runs(methods.size());
-  base::Progress progress(options_.progress, kind);
-  std::mutex mutex;
-  std::size_t done = 0;
-  base::parallelFor(methods.size(), options_.threads, [&](std::size_t m) {
-    const std::string file = (folder / (methods[m].name + ".json")).string();
-    if (!fs::exists(file)) writeMethodRun(file, runOne(methods[m], conditions));
-    runs[m] = readMethodRun(file);  // also after a fresh run: both ways give the same digits
-    const std::lock_guard lock(mutex);
-    ++done;
-    progress.update(static_cast<double>(done) / static_cast<double>(methods.size()), done);
+  runJobs(place_, kind, methods.size(), [&](std::size_t m) {
+    runs[m] = kept(
+        folder + "/" + methods[m].name + ".json", [&] { return runOne(methods[m], conditions); },
+        writeMethodRun, readMethodRun);
   });
   return runs;
 }
@@ -180,7 +169,7 @@ Cell MemoryLab::test(const Contender& contender, const Method& method, const Con
       auto& known = scores[d][i];
       if (!known)
         known = contender.scores(
-            underCondition(sample, condition, base::Rng(options_.seed).fork(d << 32 | i).bits()));
+            underCondition(sample, condition, base::Rng(place_.seed).fork(d << 32 | i).bits()));
       const auto hypotheses = filter.weigh(*known, std::nullopt);
       const double station = trueStation(sample);
       const double whole = hypotheses.front().place.value;

@@ -4,10 +4,10 @@
 
 #include "common/contender.h"
 #include "common/recorded_drive.h"
+#include "common/workplace.h"
 #include "engram/base/params.h"
 
 #include <cstdint>
-#include <ostream>
 #include <string>
 #include <vector>
 
@@ -71,13 +71,7 @@ struct LabDrives {
 
 class MemoryLab {
  public:
-  struct Options {
-    std::string folder;
-    std::uint64_t seed = 1;
-    int threads = 1;
-    std::ostream* progress = nullptr;
-  };
-  MemoryLab(const MemoryLabParams& params, const pipeline::PipelineParams& pipeline, Options options);
+  MemoryLab(const MemoryLabParams& params, const pipeline::PipelineParams& pipeline, Workplace place);
 
   /// Renders what is not yet in the folder. Throws base::Interrupted.
   void record();
@@ -98,7 +92,7 @@ class MemoryLab {
 
   MemoryLabParams params_;
   pipeline::PipelineParams pipeline_;
-  Options options_;
+  Workplace place_;
   LabDrives drives_;
   std::vector<Sequence> sequences_;
 };

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "memory/method_run_file.h"
 
-#include "engram/apps/json_file.h"
-#include "engram/base/atomic_file.h"
-#include "engram/base/error.h"
+#include "common/kept_file.h"
 
 #include <cmath>
 
@@ -27,22 +25,17 @@ std::vector<float> fromThousandths(const json& list) {
 }
 
 json toJson(const UpdateState& u) {
-  return {{"long_term", u.holdings.longTerm},
-          {"long_term_sigma", u.holdings.longTermSigma},
-          {"short_term", u.holdings.shortTerm},
-          {"short_term_sigma", u.holdings.shortTermSigma},
-          {"bytes_per_place", u.holdings.bytesPerPlace},
-          {"views", u.learning.views},
-          {"accepted", u.learning.accepted},
-          {"wrong", u.learning.wrong},
-          {"learnt", u.learning.learnt}};
+  json j = toJson(u.holdings);
+  j.update({{"views", u.learning.views},
+            {"accepted", u.learning.accepted},
+            {"wrong", u.learning.wrong},
+            {"learnt", u.learning.learnt}});
+  return j;
 }
 
 UpdateState updateFrom(const json& j) {
   UpdateState u;
-  u.holdings = {j.at("long_term").get<double>(), j.at("short_term").get<double>(),
-                j.at("long_term_sigma").get<double>(), j.at("short_term_sigma").get<double>(),
-                j.at("bytes_per_place").get<double>()};
+  u.holdings = holdingsFrom(j);
   u.learning = {j.at("views").get<int>(), j.at("accepted").get<int>(), j.at("wrong").get<int>(),
                 j.at("learnt").get<int>()};
   return u;
@@ -58,12 +51,11 @@ void writeMethodRun(const std::string& path, const MethodRun& run) {
                      {"update", c.update},
                      {"interpolated", thousandths(c.interpolated)},
                      {"whole", thousandths(c.whole)}});
-  base::writeText(path, toText(json{{"method", run.method}, {"updates", updates}, {"cells", cells}}), true);
+  writeKept(path, {{"method", run.method}, {"updates", updates}, {"cells", cells}});
 }
 
 MethodRun readMethodRun(const std::string& path) {
-  try {
-    const json file = readJson(path);
+  return readKept(path, [](const json& file) {
     MethodRun run;
     run.method = file.at("method").get<std::string>();
     for (const auto& u : file.at("updates")) run.updates.push_back(updateFrom(u));
@@ -71,9 +63,7 @@ MethodRun readMethodRun(const std::string& path) {
       run.cells.push_back({c.at("condition").get<std::string>(), c.at("update").get<int>(),
                            fromThousandths(c.at("interpolated")), fromThousandths(c.at("whole"))});
     return run;
-  } catch (const json::exception& e) {
-    throw base::Error(path + ": cannot be read (" + e.what() + "); remove it and it is measured again");
-  }
+  });
 }
 
 }  // namespace engram::apps

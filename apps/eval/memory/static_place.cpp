@@ -171,15 +171,13 @@ std::vector<double> similaritiesOf(const std::vector<types::Features>& views,
 }
 
 std::vector<StaticPlaceResult> staticPlace(const StaticPlaceParams& params, const std::string& preset,
-                                           const pipeline::PipelineParams& pipeline,
-                                           const MemoryLab::Options& options) {
+                                           const pipeline::PipelineParams& pipeline, const Workplace& place) {
   base::validate(params);
-  const auto world = world::World::preset(preset, worldParams(params, options.seed));
+  const auto world = world::World::preset(preset, worldParams(params, place.seed));
   const Watch watch(world, params, pipeline);
-  const fs::path folder = fs::path(options.folder) / "static_place";
-  fs::create_directories(folder);
+  const fs::path folder = place.subfolder("static_place");
   const auto viewpoints = chooseViewpoints(world);
-  base::Progress progress(options.progress, "static place");
+  base::Progress progress(place.progress, "static place");
   const double all = params.days * params.images * static_cast<double>(viewpoints.size());
   std::size_t done = 0;
 
@@ -190,7 +188,7 @@ std::vector<StaticPlaceResult> staticPlace(const StaticPlaceParams& params, cons
       const std::string file =
           (folder / (viewpoint.name + "_day_" + std::to_string(day) + ".features")).string();
       if (!fs::exists(file))
-        store::writeFeatureFile(file, watch.day(viewpoint, day, options.threads, [&] {
+        store::writeFeatureFile(file, watch.day(viewpoint, day, place.threads, [&] {
           ++done;
           progress.update(static_cast<double>(done) / all, done);
         }));
@@ -200,7 +198,7 @@ std::vector<StaticPlaceResult> staticPlace(const StaticPlaceParams& params, cons
     }
     const auto methods = staticPlaceMethods(pipeline);
     std::vector<StaticPlaceResult> here(methods.size());
-    base::parallelFor(methods.size(), options.threads,
+    base::parallelFor(methods.size(), place.threads,
                       [&](std::size_t m) { here[m] = measure(viewpoint, views, methods[m], params.images); });
     results.insert(results.end(), here.begin(), here.end());
   }

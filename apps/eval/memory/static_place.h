@@ -52,8 +52,7 @@ std::vector<double> similaritiesOf(const std::vector<types::Features>& views,
 /// with every method. The features of each day stay in `static_place` of the folder. Throws
 /// base::Interrupted.
 std::vector<StaticPlaceResult> staticPlace(const StaticPlaceParams& params, const std::string& preset,
-                                           const pipeline::PipelineParams& pipeline,
-                                           const MemoryLab::Options& options);
+                                           const pipeline::PipelineParams& pipeline, const Workplace& place);
 
 nlohmann::json toJson(const std::vector<StaticPlaceResult>& results);
 /// The table beside the paper's figures.

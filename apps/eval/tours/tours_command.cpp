@@ -58,7 +58,7 @@ int ToursCommand::run(std::ostream& out, std::ostream& err) {
   claimFolder(options_, settings + "\n# seed = " + std::to_string(options_.seed) + "\n",
               {"tours.csv", "report.html"});
   ToursLab lab(tours_, world_, pipeline_,
-               {options_.folder, options_.threadsInUse(), options_.quiet ? nullptr : &err});
+               {options_.folder, options_.seed, options_.threadsInUse(), options_.quiet ? nullptr : &err});
   const auto runs = lab.run(touredMethods(pipeline_));
   const auto figures = figuresOf(runs, tours_.few_matches);
   base::writeText((fs::path(options_.folder) / "tours.csv").string(), toCsv(runs, tours_.few_matches), true);

@@ -121,14 +121,13 @@ void TourMemory::finishTour() {
 }
 
 ToursLab::ToursLab(const ToursParams& params, const world::WorldParams& world,
-                   const pipeline::PipelineParams& pipeline, Options options)
-    : params_(params), world_(world), pipeline_(pipeline), options_(std::move(options)) {
+                   const pipeline::PipelineParams& pipeline, Workplace place)
+    : params_(params), world_(world), pipeline_(pipeline), place_(std::move(place)) {
   base::validate(params_);
 }
 
 std::vector<ToursRun> ToursLab::run(const std::vector<Method>& methods) {
-  const fs::path folder = fs::path(options_.folder) / "runs";
-  fs::create_directories(folder);
+  const fs::path folder = place_.subfolder("runs");
   const auto fileOf = [&](const std::string& method) { return (folder / (method + ".json")).string(); };
   std::vector<Method> missing;
   for (const Method& method : methods)
@@ -151,13 +150,12 @@ std::vector<std::size_t> ToursLab::chosenImages(const RecordedDrive& first) cons
 /// Tour by tour, so that one drive is in memory at a time; the methods side by side.
 std::vector<ToursRun> ToursLab::measure(const std::vector<Method>& methods) const {
   const world::World world = world::World::preset(params_.preset, world_);
-  const std::string folder = (fs::path(options_.folder) / "drives").string();
-  fs::create_directories(folder);
+  const std::string folder = place_.subfolder("drives");
   DriveRecorder recorder(world, world::presetEyes("omni"), pipeline_.extractor,
-                         {folder, 0.0, options_.threads});
+                         {folder, 0.0, place_.threads});
   const double length = world.route().length();
   const double images = length / world_.drive.spacing;
-  base::Progress progress(options_.progress, "tours");
+  base::Progress progress(place_.progress, "tours");
   std::size_t done = 0;
   const auto tick = [&](int tour, std::size_t of) {
     progress.update(std::min(1.0, (tour - 1 + static_cast<double>(of) / images) / params_.tours), done + of);
@@ -182,7 +180,7 @@ std::vector<ToursRun> ToursLab::measure(const std::vector<Method>& methods) cons
   for (int tour = 2; tour <= params_.tours; ++tour) {
     const RecordedDrive drive =
         recorder.record(tour, world::DriveKind::kTour, allImages(), [&](std::size_t of) { tick(tour, of); });
-    base::parallelFor(methods.size(), options_.threads, [&](std::size_t m) {
+    base::parallelFor(methods.size(), place_.threads, [&](std::size_t m) {
       runs[m].tours.push_back(through(drive, dayOf(drive) - dayOf(first), *memories[m]));
     });
     if (base::interrupted()) throw base::Interrupted("going through the tours");

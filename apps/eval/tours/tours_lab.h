@@ -4,6 +4,7 @@
 
 #include "common/contender.h"
 #include "common/recorded_drive.h"
+#include "common/workplace.h"
 #include "engram/base/params.h"
 #include "engram/features/place_matcher.h"
 #include "engram/memory/models.h"
@@ -11,7 +12,6 @@
 #include "engram/pipeline/place_match.h"
 
 #include <cstdint>
-#include <iosfwd>
 #include <memory>
 #include <string>
 #include <vector>
@@ -116,14 +116,9 @@ struct ToursRun {
 
 class ToursLab {
  public:
-  struct Options {
-    std::string folder;
-    int threads = 1;
-    std::ostream* progress = nullptr;
-  };
   /// @param world seed, change and drive: what happens between and on the tours
   ToursLab(const ToursParams& params, const world::WorldParams& world,
-           const pipeline::PipelineParams& pipeline, Options options);
+           const pipeline::PipelineParams& pipeline, Workplace place);
 
   /// Every method on every tour. What the folder holds is read, what it lacks is rendered and measured; a
   /// tour is in memory only while it is looked at. Throws base::Interrupted.
@@ -136,7 +131,7 @@ class ToursLab {
   ToursParams params_;
   world::WorldParams world_;
   pipeline::PipelineParams pipeline_;
-  Options options_;
+  Workplace place_;
 };
 
 }  // namespace engram::apps

@@ -91,8 +91,9 @@ int ViewsCommand::run(std::ostream& out, std::ostream& err) {
       settings + "\n# seed = " + std::to_string(options_.seed) + (options_.quick ? ", quick\n" : "\n"),
       {"sessions.csv", "offsets.csv", "index.html"});
   world_.seed = options_.seed;
-  ViewsWorld experiments(views_, world_, pipeline_,
-                         {options_.folder, options_.threadsInUse(), options_.quiet ? nullptr : &err});
+  ViewsWorld experiments(
+      views_, world_, pipeline_,
+      {options_.folder, options_.seed, options_.threadsInUse(), options_.quiet ? nullptr : &err});
   const ViewsResult result = experiments.run();
   writeResults(result, settings);
   if (!options_.quiet)

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "views/views_world.h"
 
-#include "common/run_jobs.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/progress.h"
@@ -12,13 +11,11 @@
 #include "engram/vocabulary/vocabulary_tree.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <functional>
 #include <numeric>
 #include <sstream>
 
 namespace engram::apps {
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -91,13 +88,9 @@ std::vector<std::pair<std::size_t, std::size_t>> coversOf(const KeptDrive& drive
 }
 
 ViewsWorld::ViewsWorld(const ViewsWorldParams& params, const world::WorldParams& world,
-                       const pipeline::PipelineParams& pipeline, Options options)
-    : params_(params), world_(world), pipeline_(pipeline), options_(std::move(options)) {
+                       const pipeline::PipelineParams& pipeline, Workplace place)
+    : params_(params), world_(world), pipeline_(pipeline), place_(std::move(place)) {
   base::validate(params_);
-}
-
-std::string ViewsWorld::fileOf(const std::string& name) const {
-  return (fs::path(options_.folder) / name).string();
 }
 
 ViewsWorld::Eye ViewsWorld::makeEye(double scale, const std::string& name) const {
@@ -115,7 +108,7 @@ ViewsWorld::Eye ViewsWorld::makeEye(double scale, const std::string& name) const
     eye.eyes.left = smaller(eye.eyes.left);
     eye.eyes.right = smaller(*eye.eyes.right);
   }
-  eye.pipeline.camera.file = fileOf(name);
+  eye.pipeline.camera.file = place_.file(name);
   base::writeText(eye.pipeline.camera.file,
                   cameras::toText(cameras::StereoRig{eye.eyes.left, *eye.eyes.right}), true);
   return eye;
@@ -123,18 +116,18 @@ ViewsWorld::Eye ViewsWorld::makeEye(double scale, const std::string& name) const
 
 std::vector<KeptDrive> ViewsWorld::keep(const world::World& world, const Eye& eye, int sessions,
                                         const std::string& name) const {
-  base::Progress progress(options_.progress, name + " drives");
+  base::Progress progress(place_.progress, name + " drives");
   std::vector<KeptDrive> drives;
   for (int k = 0; k < sessions; ++k)
     drives.push_back(keepDrive(
-        world, eye.eyes, k + 1, fileOf("drives/" + name + "_" + std::to_string(k + 1)), options_.threads,
+        world, eye.eyes, k + 1, place_.file("drives/" + name + "_" + std::to_string(k + 1)), place_.threads,
         [&](double share) { progress.update((k + share) / sessions, static_cast<std::size_t>(k)); }));
   return drives;
 }
 
 OrderedRun ViewsWorld::mapInOrder(const std::vector<int>& order, const std::string& name) const {
   OrderedRun run{order, {}, 0, 0};
-  ViewMapping mapping(eye_.pipeline, fileOf("maps/" + name + ".engram"), params_.false_distance,
+  ViewMapping mapping(eye_.pipeline, place_.file("maps/" + name + ".engram"), params_.false_distance,
                       params_.false_angle);
   for (const int k : order)
     run.sessions.push_back(mapping.add(sequenceOf(drives_[static_cast<std::size_t>(k)], k, params_.wheels)));
@@ -146,7 +139,7 @@ OrderedRun ViewsWorld::mapInOrder(const std::vector<int>& order, const std::stri
 /// The map of all sequences, days later, with moved furniture and covered eyes (K-36).
 RepairRun ViewsWorld::repair() const {
   RepairRun run;
-  ViewMapping mapping(eye_.pipeline, fileOf("maps/repaired.engram"), params_.false_distance,
+  ViewMapping mapping(eye_.pipeline, place_.file("maps/repaired.engram"), params_.false_distance,
                       params_.false_angle);
   for (int k = 0; k < params_.sequences; ++k)
     mapping.add(sequenceOf(drives_[static_cast<std::size_t>(k)], k, params_.wheels));
@@ -167,8 +160,8 @@ RepairRun ViewsWorld::repair() const {
 
 /// Trained once, on the first drive of the lifelong run.
 std::string ViewsWorld::trainVocabulary() const {
-  const std::string file = fileOf("vocabulary.engramtree");
-  ViewMapping mapping(lifelongEye_.pipeline, fileOf("maps/first.engram"), params_.false_distance,
+  const std::string file = place_.file("vocabulary.engramtree");
+  ViewMapping mapping(lifelongEye_.pipeline, place_.file("maps/first.engram"), params_.false_distance,
                       params_.false_angle);
   mapping.add({&lifelongDrives_.front(), 0, 1, params_.wheels, {}});
   std::vector<const types::Descriptors*> images;
@@ -184,7 +177,7 @@ LifelongRun ViewsWorld::live(const std::string& name, const std::string& rule, i
   params.upkeep.upkeep = rule == "none" ? "none" : "lru_views";
   if (rule != "none") params.upkeep.max_views = std::stoi(rule);
   LifelongRun run{rule, {}, {}, 0};
-  ViewMapping mapping(params, fileOf("maps/" + name + ".engram"), params_.false_distance,
+  ViewMapping mapping(params, place_.file("maps/" + name + ".engram"), params_.false_distance,
                       params_.false_angle);
   for (int k = 0; k < sessions; ++k) {
     const ShownDrive shown{&lifelongDrives_[static_cast<std::size_t>(k)], 0, 1, params_.wheels, {}};
@@ -203,7 +196,7 @@ ViewsResult ViewsWorld::run() {
     if (kappa.empty() || kappa.find_first_not_of("0123456789") != std::string::npos || std::stoi(kappa) < 1)
       throw base::ConfigError("[views_world] kappas: " + base::quoted(kappa) +
                               " is no whole number from 1 on");
-  for (const char* folder : {"drives", "maps"}) fs::create_directories(fileOf(folder));
+  for (const char* folder : {"drives", "maps"}) place_.subfolder(folder);
   eye_ = makeEye(params_.sequence_scale, "camera.ini");
   lifelongEye_ = makeEye(params_.lifelong_scale, "camera_lifelong.ini");
   world::WorldParams days = world_;  // of the sequences: two days, then a changed building
@@ -248,7 +241,7 @@ ViewsResult ViewsWorld::run() {
   jobs.emplace_back([&] { result.offsets = offsets(); });
   jobs.emplace_back([&] { result.spots = spots(); });
 
-  runJobs(jobs, options_.threads, options_.progress);
+  runJobs(place_, jobs);
   return result;
 }
 

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/workplace.h"
 #include "engram/pipeline/params.h"
 #include "engram/world/world.h"
 #include "views/views_mapping.h"
 
-#include <iosfwd>
 #include <memory>
 #include <string>
 #include <vector>
@@ -90,13 +90,8 @@ struct ViewsResult {
 /// Runs the experiments; drives are rendered once and kept in the folder.
 class ViewsWorld {
  public:
-  struct Options {
-    std::string folder;
-    int threads = 1;
-    std::ostream* progress = nullptr;
-  };
   ViewsWorld(const ViewsWorldParams& params, const world::WorldParams& world,
-             const pipeline::PipelineParams& pipeline, Options options);
+             const pipeline::PipelineParams& pipeline, Workplace place);
 
   /// Throws base::Interrupted on Ctrl-C: the drives that were rendered are kept.
   ViewsResult run();
@@ -110,7 +105,6 @@ class ViewsWorld {
   Eye makeEye(double scale, const std::string& name) const;
   std::vector<KeptDrive> keep(const world::World& world, const Eye& eye, int sessions,
                               const std::string& name) const;
-  std::string fileOf(const std::string& name) const;
 
   OrderedRun mapInOrder(const std::vector<int>& order, const std::string& name) const;
   RepairRun repair() const;
@@ -124,7 +118,7 @@ class ViewsWorld {
   ViewsWorldParams params_;
   world::WorldParams world_;
   pipeline::PipelineParams pipeline_;
-  Options options_;
+  Workplace place_;
   std::unique_ptr<world::World> building_, lifelongBuilding_;
   Eye eye_, lifelongEye_;
   std::vector<KeptDrive> drives_, lifelongDrives_;

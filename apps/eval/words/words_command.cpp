@@ -125,8 +125,9 @@ int WordsCommand::runWorld(const std::string& settings, std::ostream& out, std::
       settings + "\n# seed = " + std::to_string(options_.seed) + (options_.quick ? ", quick\n" : "\n"),
       {"mapping.csv", "closures.csv", "localisation.csv", "attempts.csv", "index.html"});
   world_.seed = options_.seed;
-  WordsWorld experiments(wordsPlan(options_.quick), words_, world_, pipeline_,
-                         {options_.folder, options_.threadsInUse(), options_.quiet ? nullptr : &err});
+  WordsWorld experiments(
+      wordsPlan(options_.quick), words_, world_, pipeline_,
+      {options_.folder, options_.seed, options_.threadsInUse(), options_.quiet ? nullptr : &err});
   const WordsWorldResult result = experiments.run();
   writeResults(result, settings);
   if (!options_.quiet)

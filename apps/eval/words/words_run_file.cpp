@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "words/words_run_file.h"
 
-#include "engram/apps/json_file.h"
-#include "engram/base/atomic_file.h"
-#include "engram/base/error.h"
+#include "common/kept_file.h"
 
 namespace engram::apps {
 namespace {
@@ -23,20 +21,9 @@ MappingRun::Path pathFrom(const json& list) {
   return path;
 }
 
-/// Calls `take` with the file's content.
-template <class Take>
-void readRun(const std::string& path, Take take) {
-  const json file = readJsonIfAny(path);
-  try {
-    take(file);
-  } catch (const json::exception&) {
-    throw base::Error(path + " is not whole; remove it and start again");
-  }
-}
-
 }  // namespace
 
-void writeRun(const std::string& path, const MappingRun& run) {
+void writeMappingRun(const std::string& path, const MappingRun& run) {
   json closures = json::array(), after = json::object();
   for (const auto& c : run.closures)
     closures.push_back({c.image, c.place, c.placeImage, c.distance, c.turn, c.right, c.kept, c.position.x(),
@@ -62,12 +49,12 @@ void writeRun(const std::string& path, const MappingRun& run) {
                   {"odometry", toJson(run.odometry)},
                   {"before", toJson(run.before)},
                   {"relaxed", toJson(run.relaxed)}};
-  base::writeText(path, toText(file), true);
+  writeKept(path, file);
 }
 
 MappingRun readMappingRun(const std::string& path) {
-  MappingRun run;
-  readRun(path, [&](const json& file) {
+  return readKept(path, [](const json& file) {
+    MappingRun run;
     file.at("building").get_to(run.building);
     file.at("length").get_to(run.length);
     file.at("seconds").get_to(run.seconds);
@@ -93,11 +80,11 @@ MappingRun readMappingRun(const std::string& path) {
     run.odometry = pathFrom(file.at("odometry"));
     run.before = pathFrom(file.at("before"));
     run.relaxed = pathFrom(file.at("relaxed"));
+    return run;
   });
-  return run;
 }
 
-void writeRun(const std::string& path, const LocalisationRun& run) {
+void writeLocalisationRun(const std::string& path, const LocalisationRun& run) {
   json attempts = json::array();
   for (const Attempt& a : run.attempts)
     attempts.push_back({{"start", a.start},
@@ -111,12 +98,12 @@ void writeRun(const std::string& path, const LocalisationRun& run) {
   const json file{{"setting", run.setting}, {"transition", run.transition}, {"places", run.places},
                   {"shown", run.shown},     {"learned", run.learned},       {"attempts", attempts},
                   {"ms", run.msPerImage}};
-  base::writeText(path, toText(file), true);
+  writeKept(path, file);
 }
 
 LocalisationRun readLocalisationRun(const std::string& path) {
-  LocalisationRun run;
-  readRun(path, [&](const json& file) {
+  return readKept(path, [](const json& file) {
+    LocalisationRun run;
     file.at("setting").get_to(run.setting);
     file.at("transition").get_to(run.transition);
     file.at("places").get_to(run.places);
@@ -135,8 +122,8 @@ LocalisationRun readLocalisationRun(const std::string& path) {
       a.at("misses").get_to(attempt.misses);
       run.attempts.push_back(attempt);
     }
+    return run;
   });
-  return run;
 }
 
 }  // namespace engram::apps

@@ -11,8 +11,8 @@ namespace engram::apps {
 
 /// The files in `runs/` that an interrupted experiment goes on from. Writing replaces; reading throws
 /// base::Error with the name of a file that is not whole.
-void writeRun(const std::string& path, const MappingRun& run);
-void writeRun(const std::string& path, const LocalisationRun& run);
+void writeMappingRun(const std::string& path, const MappingRun& run);
+void writeLocalisationRun(const std::string& path, const LocalisationRun& run);
 MappingRun readMappingRun(const std::string& path);
 LocalisationRun readLocalisationRun(const std::string& path);
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "words/words_world.h"
 
-#include "common/run_jobs.h"
+#include "common/kept_file.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/progress.h"
 #include "engram/base/rng.h"
@@ -40,13 +40,13 @@ const WordsPlan& wordsPlan(bool quick) {
 }
 
 WordsWorld::WordsWorld(const WordsPlan& plan, const WordsWorldParams& params, const world::WorldParams& world,
-                       const pipeline::PipelineParams& pipeline, Options options)
-    : plan_(plan), params_(params), world_(world), pipeline_(pipeline), options_(std::move(options)) {
+                       const pipeline::PipelineParams& pipeline, Workplace place)
+    : plan_(plan), params_(params), world_(world), pipeline_(pipeline), place_(std::move(place)) {
   base::validate(params_);
 }
 
 std::string WordsWorld::runFile(const std::string& name) const {
-  return (fs::path(options_.folder) / "runs" / (name + ".json")).string();
+  return place_.file("runs/" + name + ".json");
 }
 
 const KeptDrive& WordsWorld::driveOf(const std::string& name) const {
@@ -58,8 +58,7 @@ const KeptDrive& WordsWorld::driveOf(const std::string& name) const {
 /// The robot's camera is that of the configuration; without one it is the simulator's ordinary camera, with
 /// the 320 x 240 pixels of A-20.
 void WordsWorld::recordDrives() {
-  const fs::path folder = fs::path(options_.folder) / "drives";
-  fs::create_directories(folder);
+  const fs::path folder = place_.subfolder("drives");
   world::Eyes eyes = world::presetEyes("pinhole");
   if (pipeline_.camera.file.empty()) {
     cameras::CameraRig small = cameras::makeRig(eyes.left.camera->scaled(0.5, 0.5));
@@ -70,7 +69,7 @@ void WordsWorld::recordDrives() {
   } else {
     eyes = {pipeline_.camera.file, cameras::loadCamera(pipeline_.camera.file), {}};
   }
-  base::Progress progress(options_.progress, "drives");
+  base::Progress progress(place_.progress, "drives");
   double all = 0, before = 0;
   for (const PlannedDrive& drive : plan_.drives) all += drive.laps;
   for (const PlannedDrive& drive : plan_.drives) {
@@ -81,16 +80,17 @@ void WordsWorld::recordDrives() {
     params.drive.laps = drive.laps;
     const auto world = world::World::preset(drive.preset, params);
     drives_.push_back(
-        keepDrive(world, eyes, drive.day, (folder / drive.name).string(), options_.threads, tick));
+        keepDrive(world, eyes, drive.day, (folder / drive.name).string(), place_.threads, tick));
     before += drive.laps;
   }
 }
 
 MappingRun WordsWorld::mapped(std::size_t drive) const {
   const std::string& name = plan_.drives[drive].name;
-  const std::string file = runFile("mapping_" + name);
-  if (!fs::exists(file)) writeRun(file, mapDrive(name, drives_[drive], pipeline_, params_.right_within));
-  return readMappingRun(file);  // also after a fresh run: both ways give the same digits
+  return kept(
+      runFile("mapping_" + name),
+      [&] { return mapDrive(name, drives_[drive], pipeline_, params_.right_within); }, writeMappingRun,
+      readMappingRun);
 }
 
 std::vector<LocalisationRun> WordsWorld::located(const LocatedSetting& setting) const {
@@ -98,15 +98,15 @@ std::vector<LocalisationRun> WordsWorld::located(const LocatedSetting& setting) 
   std::optional<LocalisationWorld> world;
   std::vector<LocalisationRun> runs;
   for (const Transition& transition : transitions()) {
-    const std::string file = runFile("localisation_" + setting.shown + "_" + transition.name);
-    if (!fs::exists(file)) {
+    const auto measured = [&] {
       if (!world) world = learnFirstLap(driveOf(setting.learnt), driveOf(setting.shown), pipeline_);
       LocalisationRun run =
           localise(*world, transition, pipeline_, params_.attempts, seed, params_.right_within);
       run.setting = setting.name;
-      writeRun(file, run);
-    }
-    runs.push_back(readLocalisationRun(file));
+      return run;
+    };
+    runs.push_back(kept(runFile("localisation_" + setting.shown + "_" + transition.name), measured,
+                        writeLocalisationRun, readLocalisationRun));
   }
   return runs;
 }
@@ -114,7 +114,7 @@ std::vector<LocalisationRun> WordsWorld::located(const LocatedSetting& setting) 
 WordsWorldResult WordsWorld::run() {
   for (const Transition& transition : transitions()) with(transition, pipeline_);  // refuses before the work
   recordDrives();
-  fs::create_directories(fs::path(options_.folder) / "runs");
+  place_.subfolder("runs");
   std::vector<std::vector<LocalisationRun>> located(plan_.settings.size());
   std::vector<std::optional<MappingRun>> mapped(plan_.drives.size());
   std::vector<std::function<void()>> jobs;  // the longest first
@@ -122,7 +122,7 @@ WordsWorldResult WordsWorld::run() {
     jobs.emplace_back([&, i] { located[i] = this->located(plan_.settings[i]); });
   for (std::size_t i = 0; i < plan_.drives.size(); ++i)
     if (plan_.drives[i].mapped) jobs.emplace_back([&, i] { mapped[i] = this->mapped(i); });
-  runJobs(jobs, options_.threads, options_.progress);
+  runJobs(place_, jobs);
 
   WordsWorldResult result;
   for (auto& run : mapped)

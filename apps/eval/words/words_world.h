@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/workplace.h"
 #include "words/words_localisation.h"
 #include "words/words_mapping.h"
 
-#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,15 +54,9 @@ struct WordsWorldResult {
 ///
 class WordsWorld {
  public:
-  struct Options {
-    std::string folder;
-    int threads = 1;
-    std::ostream* progress = nullptr;
-  };
-
   /// @param world of all drives; its laps are those of the plan
   WordsWorld(const WordsPlan& plan, const WordsWorldParams& params, const world::WorldParams& world,
-             const pipeline::PipelineParams& pipeline, Options options);
+             const pipeline::PipelineParams& pipeline, Workplace place);
 
   /// Renders what is not rendered yet, and does what is not done yet. Throws base::Error for what cannot be
   /// used, base::Interrupted on Ctrl-C: what was done is kept.
@@ -79,7 +73,7 @@ class WordsWorld {
   WordsWorldParams params_;
   world::WorldParams world_;
   pipeline::PipelineParams pipeline_;
-  Options options_;
+  Workplace place_;
   std::vector<KeptDrive> drives_;  ///< those of the plan
 };
 
