@@ -4,10 +4,8 @@
 
 #include "engram/base/error.h"
 
-#include <nlohmann/json.hpp>
-
-#include <cstdio>
 #include <functional>
+#include <map>
 
 namespace engram::apps {
 namespace {
@@ -62,8 +60,6 @@ const Cell& cellOf(const MethodRun& run, const std::string& condition, int updat
                     std::to_string(update));
 }
 
-nlohmann::json bounds(const Interval& i) { return {i.low, i.high}; }
-
 }  // namespace
 
 std::vector<LabFigure> figuresOf(const std::vector<MethodRun>& runs, const std::vector<Sequence>& sequences,
@@ -93,52 +89,59 @@ std::vector<Advantage> advantagesOfFirst(const std::vector<MethodRun>& runs,
   return advantages;
 }
 
-nlohmann::json toJson(const std::vector<LabFigure>& figures) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const auto& f : figures)
-    list.push_back({{"method", f.method},
-                    {"condition", f.condition},
-                    {"update", f.update},
-                    {"global_success", f.globalSuccess.value},
-                    {"global_success_95", bounds(f.globalSuccess)},
-                    {"local_success", f.localSuccess.value},
-                    {"local_success_95", bounds(f.localSuccess)},
-                    {"global_success_whole", f.globalWhole.value},
-                    {"local_success_whole", f.localWhole.value},
-                    {"mean_error", f.error.value},
-                    {"mean_error_95", bounds(f.error)},
-                    {"global_mean_error", f.globalError.value},
-                    {"local_mean_error", f.localError.value},
-                    {"bytes_per_place", f.bytesPerPlace}});
-  return list;
+const std::string& inWords(const std::string& condition) {
+  static const std::map<std::string, std::string> words{
+      {"clean", "images as they are"},
+      {"noise", "images with Gaussian noise"},
+      {"noise_25", "noise, and 25 % of the features removed"},
+      {"noise_50", "noise, and 50 % of the features removed"}};
+  return words.at(condition);
 }
 
-nlohmann::json toJson(const std::vector<Advantage>& advantages) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const auto& a : advantages)
-    list.push_back({{"condition", a.condition},
-                    {"over", a.over},
-                    {"points", a.share.value},
-                    {"points_95", bounds(a.share)}});
-  return list;
+ResultTable tableOf(const std::vector<LabFigure>& figures) {
+  using F = LabFigure;
+  constexpr auto kLargest = exporters::Best::kLargest, kSmallest = exporters::Best::kSmallest;
+  Columns<F> c;
+  c.add("method", &F::method).csv().json().page("method").text("method", 17);
+  c.add("condition", &F::condition).csv().json().text("condition", 9);
+  c.add("update", &F::update).csv().json();
+  c.add("global_success", &F::globalSuccess)
+      .csv(4, "global_low", "global_high")
+      .json("", "global_success_95")
+      .page("global [%]", percent(1), kLargest)
+      .text("global", 22, percent(1));
+  c.add("local_success", &F::localSuccess)
+      .csv(4, "local_low", "local_high")
+      .json("", "local_success_95")
+      .page("local [%]", percent(1), kLargest)
+      .text("local", 22, percent(1));
+  c.add("global_success_whole", &F::globalWhole)
+      .csv(4)
+      .json()
+      .page("global, whole [%]", percent(1), kLargest);
+  c.add("local_success_whole", &F::localWhole).csv(4).json().page("local, whole [%]", percent(1), kLargest);
+  c.add("mean_error_places", &F::error)
+      .csv(4, "mean_error_low", "mean_error_high")
+      .json("mean_error", "mean_error_95")
+      .page("mean error [places]", fixed(2), kSmallest)
+      .text("mean error [places]", 21, fixed(2));
+  c.add("global_mean_error_places", &F::globalError).csv(4).json("global_mean_error");
+  c.add("local_mean_error_places", &F::localError).csv(4).json("local_mean_error");
+  c.add("bytes_per_place", &F::bytesPerPlace)
+      .csv()
+      .json()
+      .page("kB a place", kilo(1), kSmallest)
+      .text("kB a place", -7, kilo(1));
+  return c.table(figures);
 }
 
-std::string toCsv(const std::vector<LabFigure>& figures) {
-  std::string csv =
-      "method,condition,update,global_success,global_low,global_high,local_success,local_low,local_high,"
-      "global_success_whole,local_success_whole,mean_error_places,mean_error_low,mean_error_high,"
-      "global_mean_error_places,local_mean_error_places,bytes_per_place\n";
-  char line[512];
-  for (const auto& f : figures) {
-    std::snprintf(line, sizeof line,
-                  "%s,%s,%d,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.0f\n",
-                  f.method.c_str(), f.condition.c_str(), f.update, f.globalSuccess.value, f.globalSuccess.low,
-                  f.globalSuccess.high, f.localSuccess.value, f.localSuccess.low, f.localSuccess.high,
-                  f.globalWhole.value, f.localWhole.value, f.error.value, f.error.low, f.error.high,
-                  f.globalError.value, f.localError.value, f.bytesPerPlace);
-    csv += line;
-  }
-  return csv;
+ResultTable tableOf(const std::vector<Advantage>& advantages) {
+  Columns<Advantage> c;
+  c.add("condition", &Advantage::condition).json();
+  c.add("", [](const Advantage& a) { return inWords(a.condition); }).page("condition");
+  c.add("over", &Advantage::over).json().page("over");
+  c.add("points", &Advantage::share).json("", "points_95").page("points", percent(1));
+  return c.table(advantages);
 }
 
 }  // namespace engram::apps

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/table.h"
 #include "engram/evaluation/bootstrap.h"
 #include "memory/memory_lab.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 #include <vector>
@@ -45,8 +44,10 @@ struct Advantage {
 std::vector<Advantage> advantagesOfFirst(const std::vector<MethodRun>& runs,
                                          const std::vector<Sequence>& sequences, int sequenceLength);
 
-nlohmann::json toJson(const std::vector<LabFigure>& figures);
-nlohmann::json toJson(const std::vector<Advantage>& advantages);
-std::string toCsv(const std::vector<LabFigure>& figures);
+ResultTable tableOf(const std::vector<LabFigure>& figures);
+ResultTable tableOf(const std::vector<Advantage>& advantages);
+
+/// The name of a condition as a page has it.
+const std::string& inWords(const std::string& condition);
 
 }  // namespace engram::apps

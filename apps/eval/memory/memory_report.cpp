@@ -20,12 +20,6 @@ using exporters::Page;
 
 using Pick = std::function<const Interval&(const LabFigure&)>;
 
-const std::map<std::string, std::string> kConditionWords{
-    {"clean", "images as they are"},
-    {"noise", "images with Gaussian noise"},
-    {"noise_25", "noise, and 25 % of the features removed"},
-    {"noise_50", "noise, and 50 % of the features removed"}};
-
 /// The paper's figure numbers of error and success for each condition.
 const std::map<std::string, std::string> kPaperFigures{{"clean", "figures 9 and 10"},
                                                        {"noise", "figures 11 and 12"},
@@ -50,7 +44,7 @@ std::vector<Curve> curvesOver(const std::vector<LabFigure>& figures, const std::
 }
 
 void addCondition(Page& page, const MemoryReport& report, const std::string& condition) {
-  page.heading("Localisation: " + kConditionWords.at(condition));
+  page.heading("Localisation: " + inWords(condition));
   const auto chart = [&](const std::string& title, const std::string& y, const Pick& pick, bool share) {
     ChartFrame frame{title, "map update", y};
     if (share) frame.yRange = {0.0, 100.0};
@@ -77,41 +71,26 @@ void addCondition(Page& page, const MemoryReport& report, const std::string& con
   page.endRow();
 }
 
-Cell interval(const Interval& i, double factor, int decimals) {
-  return {factor * i.value, factor * i.low, factor * i.high, decimals};
-}
-
 void addFinalTable(Page& page, const MemoryReport& report) {
   for (const auto& condition : conditions()) {
-    exporters::Table table;
-    table.caption = "After the last update: " + kConditionWords.at(condition.name) +
-                    ". Success is the share within 1.25 places, by the interpolated peak and by the most "
-                    "probable place; in brackets the 95 % interval";
-    table.header = {"method",           "global [%]",          "local [%]", "global, whole [%]",
-                    "local, whole [%]", "mean error [places]", "kB a place"};
-    table.rowHeads = true;
-    for (const auto& f : report.figures) {
-      if (f.condition != condition.name || f.update != report.lab.updates) continue;
-      table.rows.push_back({f.method, interval(f.globalSuccess, 100, 1), interval(f.localSuccess, 100, 1),
-                            interval(f.globalWhole, 100, 1), interval(f.localWhole, 100, 1),
-                            interval(f.error, 1, 2), Cell(f.bytesPerPlace / 1000, 1)});
-    }
-    for (std::size_t c = 1; c <= 4; ++c) markBestOfColumn(table, c, exporters::Best::kLargest);
-    for (std::size_t c = 5; c <= 6; ++c) markBestOfColumn(table, c, exporters::Best::kSmallest);
-    page.table(table);
+    std::vector<LabFigure> last;
+    for (const auto& f : report.figures)
+      if (f.condition == condition.name && f.update == report.lab.updates) last.push_back(f);
+    page.table(tableOf(last).toPage(
+        "After the last update: " + inWords(condition.name) +
+            ". Success is the share within 1.25 places, by the interpolated peak and by the most "
+            "probable place; in brackets the 95 % interval",
+        true));
   }
 }
 
 void addAdvantages(Page& page, const MemoryReport& report) {
-  exporters::Table table;
-  table.caption = "How much more often " + report.runs.front().method +
-                  " is right than each other method on the same images, in percentage points, global and "
-                  "local together, after the last update. An interval that holds 0 is a tie";
-  table.header = {"condition", "over", "points"};
-  table.rowHeads = true;
-  for (const auto& a : report.advantages)
-    table.rows.push_back({kConditionWords.at(a.condition), a.over, interval(a.share, 100, 1)});
-  page.table(table);
+  page.table(tableOf(report.advantages)
+                 .toPage("How much more often " + report.runs.front().method +
+                             " is right than each other method on the same images, in percentage points, "
+                             "global and "
+                             "local together, after the last update. An interval that holds 0 is a tie",
+                         true));
 }
 
 void addMemory(Page& page, const MemoryReport& report) {
@@ -208,14 +187,8 @@ void addSweeps(Page& page, const MemoryReport& report) {
 void addStaticPlaces(Page& page, const MemoryReport& report) {
   if (report.staticPlaces.empty()) return;
   page.heading("A robot that stands still");
-  exporters::Table table;
-  table.caption =
-      "Mean similarity of all images to what the place remembers; days are the blocks of the interval. The "
-      "paper: 88.8 % with the FSH, 58.2 % without";
-  table.header = {"place", "method", "similarity [%]", "learnt from"};
   std::map<std::string, std::vector<Curve>> curves;  // by place
   for (const auto& r : report.staticPlaces) {
-    table.rows.push_back({r.place, r.method, interval(r.mean, 100, 1), Cell(r.learnt, 0)});
     auto& here = curves[r.place];
     here.push_back({r.method, static_cast<int>(here.size()), {}});
     for (std::size_t i = 0; i < r.similarities.size(); ++i)
@@ -227,7 +200,10 @@ void addStaticPlaces(Page& page, const MemoryReport& report) {
                 "Similarity of each image to the memory made from those before it (compare figure 8 of the "
                 "paper)");
   page.endRow();
-  page.table(table);
+  page.table(
+      tableOf(report.staticPlaces)
+          .toPage("Mean similarity of all images to what the place remembers; days are the blocks of the "
+                  "interval. The paper: 88.8 % with the FSH, 58.2 % without"));
 }
 
 void addDrives(Page& page, const MemoryReport& report) {

@@ -11,10 +11,7 @@
 #include "engram/pipeline/place_match.h"
 #include "engram/store/feature_file.h"
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <mutex>
@@ -205,30 +202,28 @@ std::vector<StaticPlaceResult> staticPlace(const StaticPlaceParams& params, cons
   return results;
 }
 
-nlohmann::json toJson(const std::vector<StaticPlaceResult>& results) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const auto& r : results)
-    list.push_back({{"place", r.place},
-                    {"method", r.method},
-                    {"x", r.T_world_robot.x},
-                    {"y", r.T_world_robot.y},
-                    {"mean_similarity", r.mean.value},
-                    {"mean_similarity_95", {r.mean.low, r.mean.high}},
-                    {"learnt", r.learnt},
-                    {"similarities", r.similarities}});
-  return list;
+ResultTable tableOf(const std::vector<StaticPlaceResult>& results) {
+  using R = StaticPlaceResult;
+  Columns<R> c;
+  c.add("place", &R::place).json().page("place").text("place", 8);
+  c.add("method", &R::method).json().page("method").text("method", 16);
+  c.add("x", [](const R& r) { return r.T_world_robot.x; }).json();
+  c.add("y", [](const R& r) { return r.T_world_robot.y; }).json();
+  c.add("mean_similarity", &R::mean)
+      .json("", "mean_similarity_95")
+      .page("similarity [%]", percent(1))
+      .text("similarity [%]", 21, percent(1));
+  c.add("learnt", &R::learnt).json().page("learnt from");
+  c.add("", [](const R& r) {
+     return line("learnt from %d of %zu", r.learnt, r.similarities.size());
+   }).text("", 0);
+  c.add("similarities", [](const R& r) { return nlohmann::json(r.similarities); }).json();
+  return c.table(results);
 }
 
 std::string toText(const std::vector<StaticPlaceResult>& results) {
-  std::string text = "A robot that stands still, mean similarity [%] to what it remembers:\n";
-  char line[160];
-  for (const auto& r : results) {
-    std::snprintf(line, sizeof line, "%-8s %-16s %5.1f [%5.1f, %5.1f]  learnt from %d of %zu\n",
-                  r.place.c_str(), r.method.c_str(), 100 * r.mean.value, 100 * r.mean.low, 100 * r.mean.high,
-                  r.learnt, r.similarities.size());
-    text += line;
-  }
-  return text + "paper    fsh               88.8\npaper    static            58.2\n";
+  return tableOf(results).toText("A robot that stands still, mean similarity [%] to what it remembers:") +
+         "paper    fsh               88.8\npaper    static            58.2\n";
 }
 
 }  // namespace engram::apps

@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/table.h"
 #include "engram/base/params.h"
 #include "engram/evaluation/bootstrap.h"
 #include "memory/memory_lab.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 #include <vector>
@@ -54,7 +53,7 @@ std::vector<double> similaritiesOf(const std::vector<types::Features>& views,
 std::vector<StaticPlaceResult> staticPlace(const StaticPlaceParams& params, const std::string& preset,
                                            const pipeline::PipelineParams& pipeline, const Workplace& place);
 
-nlohmann::json toJson(const std::vector<StaticPlaceResult>& results);
+ResultTable tableOf(const std::vector<StaticPlaceResult>& results);
 /// The table beside the paper's figures.
 std::string toText(const std::vector<StaticPlaceResult>& results);
 
