@@ -3,10 +3,8 @@
 #include "images/images_command.h"
 
 #include "common/methods.h"
+#include "common/table.h"
 #include "engram/apps/checks.h"
-#include "engram/apps/program.h"
-#include "engram/base/atomic_file.h"
-#include "engram/base/config.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/parallel.h"
@@ -15,11 +13,7 @@
 #include "engram/pipeline/recogniser.h"
 #include "engram/sources/image_folder_source.h"
 
-#include <nlohmann/json.hpp>
-
-#include <cstdio>
 #include <filesystem>
-#include <ostream>
 
 namespace engram::apps {
 namespace fs = std::filesystem;
@@ -37,76 +31,62 @@ std::vector<LearnView> every(const std::vector<LearnView>& views, std::size_t pa
   return chosen;
 }
 
-std::string toCsv(const std::vector<ImagesResult>& results) {
-  std::string csv =
-      "method,single_before,single_after,filtered_before,filtered_after,accepted,wrong,learnt,bytes_per_"
-      "place\n";
-  char line[256];
-  for (const auto& r : results) {
-    std::snprintf(line, sizeof line, "%s,%.4f,%.4f,%.4f,%.4f,%d,%d,%d,%.0f\n", r.method.c_str(),
-                  r.singleBefore.value, r.singleAfter.value, r.filteredBefore.value, r.filteredAfter.value,
-                  r.learning.accepted, r.learning.wrong, r.learning.learnt, r.holdings.bytesPerPlace);
-    csv += line;
-  }
-  return csv;
+ResultTable tableOf(const std::vector<ImagesResult>& results) {
+  using R = ImagesResult;
+  Columns<R> c;
+  c.add("method", &R::method).csv().json().text("method", 17);
+  const auto share = [&c](const std::string& name, evaluation::Interval R::*member) {
+    c.add(name, member)
+        .csv(4)
+        .json(name + ".share", name + ".low", name + ".high")
+        .text(name, 21, percent(1));
+  };
+  share("single_before", &R::singleBefore);
+  share("single_after", &R::singleAfter);
+  share("filtered_before", &R::filteredBefore);
+  share("filtered_after", &R::filteredAfter);
+  c.add("accepted", [](const R& r) { return r.learning.accepted; }).csv().json();
+  c.add("wrong", [](const R& r) { return r.learning.wrong; }).csv().json("accepted_wrong");
+  c.add("", [](const R& r) { return line("%8d (%2d)", r.learning.accepted, r.learning.wrong); }).text("", 0);
+  c.add("learnt", [](const R& r) { return r.learning.learnt; }).csv().json().text("learnt", -11);
+  c.add("bytes_per_place", [](const R& r) { return r.holdings.bytesPerPlace; })
+      .csv()
+      .json()
+      .text("kB a place", -11, kilo(1));
+  return c.table(results);
 }
 
-nlohmann::json toJson(const std::vector<ImagesResult>& results) {
-  nlohmann::json list = nlohmann::json::array();
-  const auto share = [](const evaluation::Interval& i) {
-    return nlohmann::json{{"share", i.value}, {"low", i.low}, {"high", i.high}};
-  };
-  for (const auto& r : results)
-    list.push_back({{"method", r.method},
-                    {"single_before", share(r.singleBefore)},
-                    {"single_after", share(r.singleAfter)},
-                    {"filtered_before", share(r.filteredBefore)},
-                    {"filtered_after", share(r.filteredAfter)},
-                    {"accepted", r.learning.accepted},
-                    {"accepted_wrong", r.learning.wrong},
-                    {"learnt", r.learning.learnt},
-                    {"bytes_per_place", r.holdings.bytesPerPlace}});
-  return list;
-}
-
-void print(const std::vector<ImagesResult>& results, std::ostream& out) {
-  out << "% right of the images not learnt from [95 % interval]:\n"
-         "method             single before         single after          filtered before       filtered "
-         "after  "
-         "    accepted (wrong)  learnt  kB a place\n";
-  char line[256];
-  const auto cell = [](const evaluation::Interval& i) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%5.1f [%5.1f, %5.1f]", 100 * i.value, 100 * i.low, 100 * i.high);
-    return std::string(text);
-  };
-  for (const auto& r : results) {
-    std::snprintf(line, sizeof line, "%-17s %s  %s  %s  %s  %8d (%2d)  %10d  %10.1f\n", r.method.c_str(),
-                  cell(r.singleBefore).c_str(), cell(r.singleAfter).c_str(), cell(r.filteredBefore).c_str(),
-                  cell(r.filteredAfter).c_str(), r.learning.accepted, r.learning.wrong, r.learning.learnt,
-                  r.holdings.bytesPerPlace / 1000);
-    out << line;
-  }
-}
+const char* const kHead =
+    "% right of the images not learnt from [95 % interval]:\n"
+    "method             single before         single after          "
+    "filtered before       filtered after      accepted (wrong)  learnt  kB a place";
 
 }  // namespace
 
-void ImagesCommand::declare(CLI::App& command) {
-  options_.declare(command);
+std::string ImagesCommand::description() const {
+  return "The same memories on two real traversals of one way";
+}
+
+std::string ImagesCommand::examples() const {
+  return "  engram-eval images --config config/fsh_mono.ini --reference day_left --query day_right "
+         "--truth truth.csv --out gardens\n";
+}
+
+void ImagesCommand::declareMore(CLI::App& command) {
   command.add_option("--reference", reference_, "Folder of images of the first traversal: the map");
   command.add_option("--query", query_, "Folder of images of the second traversal");
   command.add_option("--truth", truthFile_, "Ground truth: query,first,last | image,matches | a,b links");
   command.add_option("--truth-margin", margin_, "Widens the truth by so many images")->check(wholeFrom(0));
 }
 
-std::string ImagesCommand::readConfig() {
-  base::Config config;
-  pipeline_.bind(config);
-  base::IniFile ini = options_.config.empty() ? base::IniFile::parse("", "command line")
-                                              : base::IniFile::load(options_.config);
-  for (const auto& assignment : options_.overrides) ini.override(assignment);
-  config.read(ini);
-  return config.dump();
+void ImagesCommand::check() {
+  if (reference_.empty() || query_.empty() || truthFile_.empty())
+    throw UsageError("--reference, --query and --truth are all needed");
+  truth_ = evaluation::Truth::load(truthFile_, {margin_, 1.0, 1.0});
+}
+
+std::string ImagesCommand::identity() const {
+  return "# reference = " + reference_ + "\n# query = " + query_ + "\n";
 }
 
 std::vector<LearnView> ImagesCommand::readImages(const std::string& folder, pipeline::Perception& perception,
@@ -156,8 +136,8 @@ evaluation::Interval ImagesCommand::locate(const Contender& contender, const Met
   return evaluation::blockBootstrapShare(samples);
 }
 
-ImagesResult ImagesCommand::measure(const Method& method, const std::vector<LearnView>& references,
-                                    const std::vector<LearnView>& query) const {
+ImagesResult ImagesCommand::measureOne(const Method& method, const std::vector<LearnView>& references,
+                                       const std::vector<LearnView>& query) const {
   std::vector<Eigen::Isometry3d> poses;  // in a row: without odometry only the order is known
   for (std::size_t i = 0; i < references.size(); ++i)
     poses.emplace_back(Eigen::Translation3d(static_cast<double>(i), 0, 0));
@@ -176,33 +156,20 @@ ImagesResult ImagesCommand::measure(const Method& method, const std::vector<Lear
   return result;
 }
 
-int ImagesCommand::run(std::ostream& out, std::ostream& err) {
-  const std::string settings = readConfig();
-  if (options_.dump) {
-    out << settings;
-    return kOk;
-  }
-  if (reference_.empty() || query_.empty() || truthFile_.empty())
-    throw UsageError("--reference, --query and --truth are all needed");
-  truth_ = evaluation::Truth::load(truthFile_, {margin_, 1.0, 1.0});
-  claimFolder(options_, settings + "\n# reference = " + reference_ + "\n# query = " + query_ + "\n",
-              {"results.csv"});
+Findings ImagesCommand::measure(const Workplace& place, const std::string&) {
   pipeline::Perception perception(pipeline_.camera, pipeline_.extractor);
-  std::ostream* progress = options_.quiet ? nullptr : &err;
-  const auto references = readImages(reference_, perception, progress);
-  const auto query = readImages(query_, perception, progress);
+  const auto references = readImages(reference_, perception, place.progress);
+  const auto query = readImages(query_, perception, place.progress);
   requireTruthOf(references, query);
 
-  const auto methods = comparedMethods(pipeline_, options_.quick ? 200 : 1000);
-  std::vector<ImagesResult> results(methods.size());
-  base::parallelFor(methods.size(), options_.threadsInUse(), [&](std::size_t m) {
+  const auto methods = comparedMethods(pipeline_, options().quick ? 200 : 1000);
+  std::vector<ImagesResult> measured(methods.size());
+  base::parallelFor(methods.size(), place.threads, [&](std::size_t m) {
     if (base::interrupted()) throw base::Interrupted("locating images");
-    results[m] = measure(methods[m], references, query);
+    measured[m] = measureOne(methods[m], references, query);
   });
-  base::writeText((fs::path(options_.folder) / "results.csv").string(), toCsv(results), true);
-  writeJson(options_.json, {{"results", toJson(results)}});
-  if (!options_.quiet) print(results, out);
-  return kOk;
+  const ResultTable table = tableOf(measured);
+  return {{{"results.csv", table.toCsv()}}, {{"results", table.toJson()}}, table.toText(kHead)};
 }
 
 }  // namespace engram::apps

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/contender.h"
-#include "common/experiment_folder.h"
+#include "common/experiment.h"
 #include "engram/evaluation/bootstrap.h"
 #include "engram/evaluation/truth.h"
 
@@ -25,17 +25,24 @@ struct ImagesResult {
 
 /// engram-eval images: the memories on two traversals of one way. The first is the map, one place an image;
 /// the even images of the second are learnt from, the odd ones are located, before and after that.
-class ImagesCommand {
+class ImagesCommand final : public Experiment {
  public:
-  void declare(CLI::App& command);
-  int run(std::ostream& out, std::ostream& err);
+  std::string name() const override { return "images"; }
+  std::string description() const override;
+  std::string examples() const override;
 
  private:
-  std::string readConfig();
+  void declareMore(CLI::App& command) override;
+  void configure(base::Config& config) override { pipeline_.bind(config); }
+  void check() override;
+  std::string identity() const override;
+  std::vector<std::string> results() const override { return {"results.csv"}; }
+  Findings measure(const Workplace& place, const std::string& settings) override;
+
   std::vector<LearnView> readImages(const std::string& folder, pipeline::Perception& perception,
                                     std::ostream* progress) const;
-  ImagesResult measure(const Method& method, const std::vector<LearnView>& reference,
-                       const std::vector<LearnView>& query) const;
+  ImagesResult measureOne(const Method& method, const std::vector<LearnView>& reference,
+                          const std::vector<LearnView>& query) const;
   evaluation::Interval locate(const Contender& contender, const Method& method,
                               const std::vector<LearnView>& reference, const std::vector<LearnView>& query,
                               bool filtered) const;
@@ -43,7 +50,6 @@ class ImagesCommand {
   void requireTruthOf(const std::vector<LearnView>& references, const std::vector<LearnView>& query) const;
   bool isRight(const LearnView& query, const LearnView& place) const;
 
-  ExperimentOptions options_;
   pipeline::PipelineParams pipeline_;
   std::string reference_, query_, truthFile_;
   int margin_ = 0;
