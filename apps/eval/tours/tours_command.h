@@ -2,24 +2,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/experiment_folder.h"
+#include "common/experiment.h"
 #include "tours/tours_lab.h"
-
-#include <iosfwd>
 
 namespace engram::apps {
 
 /// engram-eval tours: the experiments of D-09 to D-11 on the simulator.
-class ToursCommand {
+class ToursCommand final : public Experiment {
  public:
   ToursCommand();
-  void declare(CLI::App& command);
-  int run(std::ostream& out, std::ostream& err);
+  std::string name() const override { return "tours"; }
+  std::string description() const override;
+  std::string examples() const override;
 
  private:
-  std::string readConfig();
+  void configure(base::Config& config) override;
+  std::vector<std::string> results() const override { return {"tours.csv", "report.html"}; }
+  Findings measure(const Workplace& place, const std::string& settings) override;
 
-  ExperimentOptions options_;
   ToursParams tours_;
   world::WorldParams world_;
   pipeline::PipelineParams pipeline_;

@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tours/tours_figures.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
-#include <cstdio>
 #include <functional>
 #include <limits>
 
@@ -14,9 +11,9 @@ namespace {
 
 using evaluation::BlockSample;
 using evaluation::Interval;
-using Value = std::function<double(const TourQuery&)>;
+using Ask = std::function<double(const TourQuery&)>;
 
-std::vector<BlockSample> samplesOf(const ToursRun& run, const Value& value) {
+std::vector<BlockSample> samplesOf(const ToursRun& run, const Ask& value) {
   std::vector<BlockSample> samples;
   for (const TourRecord& tour : run.tours)
     for (const TourQuery& query : tour.queries) samples.push_back({tour.tour, value(query), 1.0});
@@ -31,7 +28,7 @@ std::vector<double> valuesOf(const std::vector<BlockSample>& samples) {
 
 /// What is asked of each image.
 struct Questions {
-  Value failed, strict, few, fewVerified, matched, verified, learnt, learntWrong;
+  Ask failed, strict, few, fewVerified, matched, verified, learnt, learntWrong;
 };
 
 Questions questionsOf(const ToursRun& run, int fewMatches) {
@@ -56,9 +53,7 @@ double sumOf(const std::vector<BlockSample>& samples) {
 
 ToursFigure figureOf(const ToursRun& run, const ToursRun* baseline, int fewMatches) {
   const Questions q = questionsOf(run, fewMatches);
-  const auto share = [&](const Value& value) {
-    return evaluation::blockBootstrapShare(samplesOf(run, value));
-  };
+  const auto share = [&](const Ask& value) { return evaluation::blockBootstrapShare(samplesOf(run, value)); };
   ToursFigure f;
   f.method = run.method;
   const auto matched = samplesOf(run, q.matched);
@@ -87,18 +82,36 @@ ToursFigure figureOf(const ToursRun& run, const ToursRun* baseline, int fewMatch
   return f;
 }
 
-nlohmann::json bounds(const Interval& i) { return {i.low, i.high}; }
-
-std::string percent(const Interval& i) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%5.1f [%5.1f, %5.1f]", 100 * i.value, 100 * i.low, 100 * i.high);
-  return text;
+std::string percentages(const Interval& i) {
+  return line("%5.1f [%5.1f, %5.1f]", 100 * i.value, 100 * i.low, 100 * i.high);
 }
 
-std::string plusMinus(const MeanSigma& m) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%5.1f +- %5.1f", m.mean, m.sigma);
-  return text;
+std::string plusMinus(const MeanSigma& m) { return line("%5.1f +- %5.1f", m.mean, m.sigma); }
+
+Spread spreadOf(const ToursRun& run, const Ask& ask) {
+  const MeanSigma m = meanAndSigma(valuesOf(samplesOf(run, ask)));
+  return {m.mean, m.sigma};
+}
+
+double featuresOf(const TourQuery& i) { return i.features; }
+
+/// One tour of one method.
+struct OneTour {
+  ToursRun run;
+  Questions asked;
+
+  const TourRecord& tour() const { return run.tours.front(); }
+  int count(const Ask& ask) const { return static_cast<int>(sumOf(samplesOf(run, ask))); }
+};
+
+std::vector<OneTour> tourByTour(const std::vector<ToursRun>& runs, int fewMatches) {
+  std::vector<OneTour> tours;
+  for (const ToursRun& run : runs) {
+    const Questions q = questionsOf(run, fewMatches);
+    for (const TourRecord& tour : run.tours)
+      tours.push_back({{run.method, run.tourLength, run.placeArcs, {tour}}, q});
+  }
+  return tours;
 }
 
 }  // namespace
@@ -113,93 +126,102 @@ std::vector<ToursFigure> figuresOf(const std::vector<ToursRun>& runs, int fewMat
   return figures;
 }
 
-nlohmann::json toJson(const std::vector<ToursFigure>& figures) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const auto& f : figures)
-    list.push_back({{"method", f.method},
-                    {"queries", f.queries},
-                    {"failure_rate", f.failure.value},
-                    {"failure_rate_95", bounds(f.failure)},
-                    {"failure_rate_strict", f.strict.value},
-                    {"failure_rate_strict_95", bounds(f.strict)},
-                    {"share_under_35", f.few.value},
-                    {"share_under_35_95", bounds(f.few)},
-                    {"share_under_35_verified", f.fewVerified.value},
-                    {"share_under_35_verified_95", bounds(f.fewVerified)},
-                    {"mean_matched", f.matched.mean},
-                    {"sd_matched", f.matched.sigma},
-                    {"mean_verified", f.verified.mean},
-                    {"sd_verified", f.verified.sigma},
-                    {"share_learnt", f.learnt},
-                    {"share_learnt_wrong", f.learntWrong},
-                    {"failure_rate_over_static", f.failureOver.value},
-                    {"failure_rate_over_static_95", bounds(f.failureOver)},
-                    {"share_under_35_over_static", f.fewOver.value},
-                    {"share_under_35_over_static_95", bounds(f.fewOver)},
-                    {"matched_histogram", f.histogram}});
-  return list;
+ResultTable tableOf(const std::vector<ToursFigure>& figures, int fewMatches) {
+  using F = ToursFigure;
+  constexpr auto kSmallest = exporters::Best::kSmallest;
+  const std::string under = "under " + std::to_string(fewMatches);
+  Columns<F> c;
+  c.add("method", &F::method).json().page("method").text("method", 16);
+  c.add("queries", &F::queries).json();
+  c.add("failure_rate", &F::failure)
+      .json("", "failure_rate_95")
+      .page("failure [%]", percent(1), kSmallest)
+      .text("failure [%]", 21, percent(1));
+  c.add("failure_rate_strict", &F::strict)
+      .json("", "failure_rate_strict_95")
+      .page("not the nearest [%]", percent(1), kSmallest)
+      .text("not the nearest [%]", 21, percent(1));
+  c.add("share_under_35", &F::few)
+      .json("", "share_under_35_95")
+      .page(under + " points [%]", percent(1), kSmallest)
+      .text(under + " matched [%]", 21, percent(1));
+  c.add("share_under_35_verified", &F::fewVerified).json("", "share_under_35_verified_95");
+  c.add("mean_matched", [](const F& f) { return f.matched.mean; }).json().page("points, mean", fixed(1));
+  c.add("sd_matched", [](const F& f) { return f.matched.sigma; }).json();
+  c.add("", [](const F& f) { return plusMinus(f.matched); }).text("matched", 16);
+  c.add("mean_verified", [](const F& f) { return f.verified.mean; }).json();
+  c.add("sd_verified", [](const F& f) { return f.verified.sigma; }).json();
+  c.add("", [](const F& f) { return plusMinus(f.verified); }).text("verified", 16);
+  c.add("share_learnt", &F::learnt).json().page("learnt from [%]", percent(1));
+  c.add("share_learnt_wrong", &F::learntWrong).json().page("of these wrong [%]", percent(1));
+  c.add("", [](const F& f) {
+     return line("%5.1f (%.1f)", 100 * f.learnt, 100 * f.learntWrong);
+   }).text("learnt (wrong) [%]", 0);
+  c.add("failure_rate_over_static", &F::failureOver).json("", "failure_rate_over_static_95");
+  c.add("share_under_35_over_static", &F::fewOver).json("", "share_under_35_over_static_95");
+  c.add("matched_histogram", [](const F& f) { return nlohmann::json(f.histogram); }).json();
+  return c.table(figures);
 }
 
 std::string toCsv(const std::vector<ToursRun>& runs, int fewMatches) {
-  std::string csv =
-      "method,tour,day,images,failures,failures_strict,few_matched,few_verified,matched_mean,matched_sd,"
-      "verified_mean,verified_sd,features_mean,features_sd,learnt,learnt_wrong,ltm_mean,ltm_sd,stm_mean,"
-      "stm_sd,bytes_per_place\n";
-  char line[512];
-  for (const ToursRun& run : runs) {
-    const Questions q = questionsOf(run, fewMatches);
-    for (const TourRecord& tour : run.tours) {
-      const ToursRun one{run.method, run.tourLength, run.placeArcs, {tour}};
-      const auto count = [&](const Value& value) { return static_cast<int>(sumOf(samplesOf(one, value))); };
-      const auto spread = [&](const Value& value) { return meanAndSigma(valuesOf(samplesOf(one, value))); };
-      const MeanSigma matched = spread(q.matched), verified = spread(q.verified);
-      const MeanSigma features = spread([](const TourQuery& i) { return static_cast<double>(i.features); });
-      const Holdings& h = tour.holdings;
-      std::snprintf(line, sizeof line,
-                    "%s,%d,%.0f,%zu,%d,%d,%d,%d,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%d,%d,%.1f,%.1f,%.1f,%.1f,"
-                    "%.0f\n",
-                    run.method.c_str(), tour.tour, tour.day, tour.queries.size(), count(q.failed),
-                    count(q.strict), count(q.few), count(q.fewVerified), matched.mean, matched.sigma,
-                    verified.mean, verified.sigma, features.mean, features.sigma, count(q.learnt),
-                    count(q.learntWrong), h.longTerm, h.longTermSigma, h.shortTerm, h.shortTermSigma,
-                    h.bytesPerPlace);
-      csv += line;
-    }
-  }
-  return csv;
+  using T = OneTour;
+  Columns<T> c;
+  const auto counted = [&c](const std::string& name, Ask Questions::*ask) {
+    c.add(name, [ask](const T& t) { return t.count(t.asked.*ask); }).csv();
+  };
+  const auto spread = [&c](const std::string& name, auto of, int decimals) {
+    c.add(name + "_mean", of).csv(decimals, name + "_sd");
+  };
+  c.add("method", [](const T& t) { return t.run.method; }).csv();
+  c.add("tour", [](const T& t) { return t.tour().tour; }).csv();
+  c.add("day", [](const T& t) { return t.tour().day; }).csv();
+  c.add("images", [](const T& t) { return t.tour().queries.size(); }).csv();
+  counted("failures", &Questions::failed);
+  counted("failures_strict", &Questions::strict);
+  counted("few_matched", &Questions::few);
+  counted("few_verified", &Questions::fewVerified);
+  spread(
+      "matched", [](const T& t) { return spreadOf(t.run, t.asked.matched); }, 2);
+  spread(
+      "verified", [](const T& t) { return spreadOf(t.run, t.asked.verified); }, 2);
+  spread(
+      "features", [](const T& t) { return spreadOf(t.run, featuresOf); }, 2);
+  counted("learnt", &Questions::learnt);
+  counted("learnt_wrong", &Questions::learntWrong);
+  const auto held = [](const T& t) -> const Holdings& { return t.tour().holdings; };
+  spread(
+      "ltm",
+      [held](const T& t) {
+        return Spread{held(t).longTerm, held(t).longTermSigma};
+      },
+      1);
+  spread(
+      "stm",
+      [held](const T& t) {
+        return Spread{held(t).shortTerm, held(t).shortTermSigma};
+      },
+      1);
+  c.add("bytes_per_place", [held](const T& t) { return held(t).bytesPerPlace; }).csv();
+  return c.table(tourByTour(runs, fewMatches)).toCsv();
 }
 
 std::string toText(const std::vector<ToursFigure>& figures, const std::vector<ToursRun>& runs,
                    int fewMatches) {
-  char line[320];
   const ToursRun& any = runs.front();
-  const MeanSigma features = meanAndSigma(
-      valuesOf(samplesOf(any, [](const TourQuery& i) { return static_cast<double>(i.features); })));
-  std::snprintf(line, sizeof line,
-                "%zu tours over %.0f days, %d images with %.1f +- %.1f features, %zu places from the tour "
-                "before them\n",
-                any.tours.size(), any.tours.back().day, figures.front().queries, features.mean,
-                features.sigma, any.placeArcs.size());
-  std::string text = line;
-  const std::string few = "under " + std::to_string(fewMatches) + " matched [%]";
-  std::snprintf(line, sizeof line, "%-16s %-21s %-21s %-21s %-16s %-16s %s\n", "method", "failure [%]",
-                "not the nearest [%]", few.c_str(), "matched", "verified", "learnt (wrong) [%]");
-  text += line;
-  for (const auto& f : figures) {
-    std::snprintf(line, sizeof line, "%-16s %s  %s  %s  %s   %s   %5.1f (%.1f)\n", f.method.c_str(),
-                  percent(f.failure).c_str(), percent(f.strict).c_str(), percent(f.few).c_str(),
-                  plusMinus(f.matched).c_str(), plusMinus(f.verified).c_str(), 100 * f.learnt,
-                  100 * f.learntWrong);
-    text += line;
-  }
+  const Spread features = spreadOf(any, featuresOf);
+  std::string text = line(
+      "%zu tours over %.0f days, %d images with %.1f +- %.1f features, %zu places from the tour "
+      "before them\n",
+      any.tours.size(), any.tours.back().day, figures.front().queries, features.mean, features.sigma,
+      any.placeArcs.size());
+  text += tableOf(figures, fewMatches).toText();
   text +=
       "paper, adaptive    1.5                  -                     24                    98.8 +-  18.7\n"
       "paper, static      3.5                  -                     43                    45.2 +-  25.4\n";
   for (const auto& f : figures) {
     if (f.method == "static" || !f.failureOver.known()) continue;
-    std::snprintf(line, sizeof line, "%-16s less static, in points: failure %s, under %d matched %s\n",
-                  f.method.c_str(), percent(f.failureOver).c_str(), fewMatches, percent(f.fewOver).c_str());
-    text += line;
+    text += line("%-16s less static, in points: failure %s, under %d matched %s\n", f.method.c_str(),
+                 percentages(f.failureOver).c_str(), fewMatches, percentages(f.fewOver).c_str());
   }
   return text;
 }

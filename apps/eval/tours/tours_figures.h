@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/table.h"
 #include "engram/evaluation/bootstrap.h"
 #include "tours/tours_lab.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 #include <vector>
@@ -33,7 +32,8 @@ struct ToursFigure {
 std::vector<ToursFigure> figuresOf(const std::vector<ToursRun>& runs, int fewMatches,
                                    const std::string& baseline = "static");
 
-nlohmann::json toJson(const std::vector<ToursFigure>& figures);
+/// One line a method.
+ResultTable tableOf(const std::vector<ToursFigure>& figures, int fewMatches);
 /// One line a method and tour.
 std::string toCsv(const std::vector<ToursRun>& runs, int fewMatches);
 /// The table of the methods beside the paper's figures.

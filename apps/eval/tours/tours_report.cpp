@@ -10,30 +10,17 @@
 namespace engram::apps {
 namespace {
 
-using evaluation::Interval;
 using exporters::Cell;
 using exporters::Curve;
 
-Cell percent(const Interval& i) { return {100 * i.value, 100 * i.low, 100 * i.high, 1}; }
-
 exporters::Table comparison(const std::vector<ToursFigure>& figures, int few) {
-  exporters::Table table;
-  table.caption =
-      "All images of all tours but the first, with 95 % intervals by bootstrap over tours. Failure: "
-      "the place with the most matched points is neither the last place that the robot passed nor "
-      "the next one";
-  table.header = {"method",
-                  "failure [%]",
-                  "not the nearest [%]",
-                  "under " + std::to_string(few) + " points [%]",
-                  "points, mean",
-                  "learnt from [%]",
-                  "of these wrong [%]"};
-  table.rowHeads = true;
-  for (const auto& f : figures)
-    table.rows.push_back({f.method, percent(f.failure), percent(f.strict), percent(f.few),
-                          Cell(f.matched.mean, 1), Cell(100 * f.learnt, 1), Cell(100 * f.learntWrong, 1)});
-  for (std::size_t c = 1; c <= 3; ++c) markBestOfColumn(table, c, exporters::Best::kSmallest);
+  exporters::Table table =
+      tableOf(figures, few)
+          .toPage(
+              "All images of all tours but the first, with 95 % intervals by bootstrap over tours. Failure: "
+              "the place with the most matched points is neither the last place that the robot passed nor "
+              "the next one",
+              true);
   table.rows.push_back({"paper, adaptive", Cell(1.5, 1), "", Cell(24.0, 0), Cell(98.8, 1), "", ""});
   table.rows.push_back({"paper, static", Cell(3.5, 1), "", Cell(43.0, 0), Cell(45.2, 1), "", ""});
   return table;
