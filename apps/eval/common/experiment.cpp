@@ -26,6 +26,10 @@ void Experiment::adjust(const base::IniFile&) {}
 void Experiment::check() {}
 std::string Experiment::identity() const { return "# seed = " + std::to_string(options_.seed) + "\n"; }
 
+std::string Experiment::seedAndSize() const {
+  return "# seed = " + std::to_string(options_.seed) + (options_.quick ? ", quick\n" : "\n");
+}
+
 std::string Experiment::readConfig() {
   base::Config config;
   configure(config);

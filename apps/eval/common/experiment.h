@@ -36,6 +36,8 @@ class Experiment : public Program {
 
  protected:
   const ExperimentOptions& options() const { return options_; }
+  /// An identity for experiments whose size does not show in the configuration.
+  std::string seedAndSize() const;
 
   /// Options of its own.
   virtual void declareMore(CLI::App& command);

@@ -95,7 +95,7 @@ exporters::Cell pageCell(const Value& value, const Shown& shown) {
 std::string textCell(const Value& value, const Shown& shown) {
   const auto number = [&](double n) { return fixedText(scaled(n, shown), shown.decimals) + shown.unit; };
   return std::visit(
-      Overloaded{[](std::monostate) { return std::string("-"); },
+      Overloaded{[&](std::monostate) { return "-" + shown.unit; },
                  [](bool yes) { return std::string(yes ? "yes" : "no"); },
                  [](std::int64_t n) { return std::to_string(n); }, number,
                  [&](const Interval& i) {

@@ -5,10 +5,7 @@
 #include "engram/exporters/charts.h"
 #include "engram/exporters/page.h"
 
-#include <nlohmann/json.hpp>
-
 #include <array>
-#include <cstdio>
 
 namespace engram::apps {
 namespace {
@@ -31,22 +28,6 @@ const char* words(Verdict verdict) {
       return "unknown";
   }
   return "?";
-}
-
-template <class... Values>
-std::string line(const char* format, Values... values) {
-  char text[512];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
-/// Every accepted answer, and whether it is right.
-exporters::Table closuresTable(const std::vector<LoopAnswer>& answers) {
-  exporters::Table table{"Accepted answers", {"image", "place made by", "verdict", "matches + posterior"}};
-  for (const auto& a : answers)
-    if (a.accepted)
-      table.rows.push_back({a.query.label, a.place->label, words(a.verdict), exporters::Cell(a.score, 2)});
-  return table;
 }
 
 }  // namespace
@@ -92,20 +73,30 @@ nlohmann::json toJson(const LoopFigures& f) {
            {{"mean", f.milliseconds.mean}, {"p95", f.milliseconds.p95}, {"max", f.milliseconds.max}}}};
 }
 
-std::string answersCsv(const std::vector<LoopAnswer>& answers) {
-  std::string csv = "image,positive,outcome,accepted,place,verdict,best_guess,score,rank\n";
-  for (const auto& a : answers)
-    csv += line("%s,%d,%s,%d,%s,%s,%s,%.6f,%d\n", a.query.label.c_str(), a.positive ? 1 : 0,
-                types::toString(a.outcome), a.accepted ? 1 : 0, a.place ? a.place->label.c_str() : "",
-                words(a.verdict), words(a.bestGuess), a.score, a.rank);
-  return csv;
+ResultTable tableOf(const std::vector<LoopAnswer>& answers) {
+  using A = LoopAnswer;
+  Columns<A> c;
+  c.add("image", [](const A& a) { return a.query.label; }).csv().page("image");
+  c.add("positive", &A::positive).csv();
+  c.add("outcome", [](const A& a) { return types::toString(a.outcome); }).csv();
+  c.add("accepted", &A::accepted).csv();
+  c.add("place", [](const A& a) { return a.place ? a.place->label : ""; }).csv().page("place made by");
+  c.add("verdict", [](const A& a) { return words(a.verdict); }).csv().page("verdict");
+  c.add("best_guess", [](const A& a) { return words(a.bestGuess); }).csv();
+  c.add("score", &A::score).csv(6).page("matches + posterior", fixed(2));
+  c.add("rank", &A::rank).csv();
+  return c.table(answers);
 }
 
-std::string curveCsv(const evaluation::PrecisionRecall& curve) {
-  std::string csv = "score,right,wrong,precision,recall\n";
-  for (const auto& p : curve.points)
-    csv += line("%.6f,%d,%d,%.6f,%.6f\n", p.threshold, p.right, p.wrong, p.precision, p.recall);
-  return csv;
+ResultTable tableOf(const evaluation::PrecisionRecall& curve) {
+  using P = evaluation::PrecisionRecallPoint;
+  Columns<P> c;
+  c.add("score", &P::threshold).csv(6);
+  c.add("right", &P::right).csv();
+  c.add("wrong", &P::wrong).csv();
+  c.add("precision", &P::precision).csv(6);
+  c.add("recall", &P::recall).csv(6);
+  return c.table(curve.points);
 }
 
 std::string toText(const LoopFigures& f) {
@@ -130,7 +121,10 @@ std::string toHtml(const LoopFigures& f, const std::vector<LoopAnswer>& answers,
   frame.yRange = {0.0, 100.0};
   page.figure(exporters::curveChart(frame, {curve}),
               "One point for each score; the surest answers stand left.");
-  page.table(closuresTable(answers));
+  std::vector<LoopAnswer> accepted;
+  for (const auto& a : answers)
+    if (a.accepted) accepted.push_back(a);
+  page.table(tableOf(accepted).toPage("Accepted answers"));
   page.preformatted(settings, "Configuration");
   return page.html();
 }

@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/table.h"
 #include "engram/evaluation/precision_recall.h"
 #include "engram/evaluation/score.h"
 #include "words/loop_benchmark.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <map>
 #include <string>
@@ -29,8 +28,8 @@ LoopFigures figuresOf(const std::vector<LoopAnswer>& answers);
 
 nlohmann::json toJson(const LoopFigures& figures);
 /// The answer to every image; the points of the curve; the figures in words.
-std::string answersCsv(const std::vector<LoopAnswer>& answers);
-std::string curveCsv(const evaluation::PrecisionRecall& curve);
+ResultTable tableOf(const std::vector<LoopAnswer>& answers);
+ResultTable tableOf(const evaluation::PrecisionRecall& curve);
 std::string toText(const LoopFigures& figures);
 /// @param settings the configuration, as text
 std::string toHtml(const LoopFigures& figures, const std::vector<LoopAnswer>& answers,

@@ -3,21 +3,10 @@
 #include "words/words_command.h"
 
 #include "engram/apps/checks.h"
-#include "engram/apps/program.h"
-#include "engram/base/atomic_file.h"
-#include "engram/base/config.h"
-#include "engram/base/error.h"
 #include "words/loop_figures.h"
 #include "words/words_report.h"
 
-#include <nlohmann/json.hpp>
-
-#include <filesystem>
-#include <ostream>
-
 namespace engram::apps {
-namespace fs = std::filesystem;
-
 namespace {
 
 /// config/words_mono.ini; a test holds the two together.
@@ -57,9 +46,18 @@ const std::vector<std::string> kImageOptions{"--truth", "--truth-margin", "--ref
 
 }  // namespace
 
-void WordsCommand::declare(CLI::App& command) {
+std::string WordsCommand::description() const {
+  return "Maps and localisation by visual words and odometry, on the simulator; or, with --images, "
+         "loop closures on images with ground truth";
+}
+
+std::string WordsCommand::examples() const {
+  return "  engram-eval words --images walk --truth truth.csv --out loops --json loops.json\n"
+         "  engram-eval words --out words --json words.json\n";
+}
+
+void WordsCommand::declareMore(CLI::App& command) {
   command_ = &command;
-  options_.declare(command);
   command.add_option("--images", benchmark_.images,
                      "Folder of images, shown in the order of their names; without it the simulator");
   command.add_option("--reference", benchmark_.reference,
@@ -88,85 +86,76 @@ void WordsCommand::refuseImageOptions() const {
       throw UsageError(name + " belongs to --images, which is missing; without both the simulator is used");
 }
 
-std::string WordsCommand::readConfig() {
-  base::Config config;
-  pipeline::PipelineParams& pipeline = onImages() ? benchmark_.pipeline : pipeline_;
-  pipeline = onImages() ? wordsMono() : wordsOdometry();
-  if (!onImages()) {
-    world_.drive.spacing = 0.26;  // the rule of A-06 uses about every second image
-    if (options_.quick) words_.attempts = 20;
-    config.bind("words_world", words_);
-    config.bind("change", world_.change);
-    config.bind("drive", world_.drive);
-    config.bind("sensor", world_.sensor);
+void WordsCommand::configure(base::Config& config) {
+  if (onImages()) {
+    benchmark_.pipeline = wordsMono();
+    benchmark_.pipeline.bind(config);
+    return;
   }
-  pipeline.bind(config);
-  base::IniFile ini = options_.config.empty() ? base::IniFile::parse("", "command line")
-                                              : base::IniFile::load(options_.config);
-  for (const auto& assignment : options_.overrides) ini.override(assignment);
-  config.read(ini);
-  if (onImages()) pipeline.recognise.threads = options_.threadsInUse();
-  return config.dump();
+  refuseImageOptions();
+  pipeline_ = wordsOdometry();
+  world_.seed = options().seed;
+  world_.drive.spacing = 0.26;  // the rule of A-06 uses about every second image
+  if (options().quick) words_.attempts = 20;
+  config.bind("words_world", words_);
+  config.bind("change", world_.change);
+  config.bind("drive", world_.drive);
+  config.bind("sensor", world_.sensor);
+  pipeline_.bind(config);
 }
 
-int WordsCommand::run(std::ostream& out, std::ostream& err) {
-  if (!onImages()) refuseImageOptions();
-  const std::string settings = readConfig();
-  if (options_.dump) {
-    out << settings;
-    return kOk;
-  }
-  return onImages() ? runImages(settings, out, err) : runWorld(settings, out, err);
+void WordsCommand::adjust(const base::IniFile&) {
+  if (onImages()) benchmark_.pipeline.recognise.threads = options().threadsInUse();
 }
 
-int WordsCommand::runWorld(const std::string& settings, std::ostream& out, std::ostream& err) {
-  claimFolder(
-      options_,
-      settings + "\n# seed = " + std::to_string(options_.seed) + (options_.quick ? ", quick\n" : "\n"),
-      {"mapping.csv", "closures.csv", "localisation.csv", "attempts.csv", "index.html"});
-  world_.seed = options_.seed;
-  WordsWorld experiments(
-      wordsPlan(options_.quick), words_, world_, pipeline_,
-      {options_.folder, options_.seed, options_.threadsInUse(), options_.quiet ? nullptr : &err});
-  const WordsWorldResult result = experiments.run();
-  writeResults(result, settings);
-  if (!options_.quiet)
-    out << toText(result) << "report: " << (fs::path(options_.folder) / "index.html").string() << "\n";
-  return kOk;
-}
-
-void WordsCommand::writeResults(const WordsWorldResult& result, const std::string& settings) const {
-  const fs::path folder = options_.folder;
-  const auto write = [&](const char* name, const std::string& text) {
-    base::writeText((folder / name).string(), text, true);
-  };
-  write("mapping.csv", mappingCsv(result));
-  write("closures.csv", closuresCsv(result));
-  write("localisation.csv", localisationCsv(result));
-  write("attempts.csv", attemptsCsv(result));
-  write("index.html", toHtml(result, wordsPlan(options_.quick), words_, settings, options_.seed));
-  nlohmann::json json = toJson(result);
-  json["seed"] = options_.seed;
-  writeJson(options_.json, json);
-}
-
-int WordsCommand::runImages(const std::string& settings, std::ostream& out, std::ostream& err) {
+void WordsCommand::check() {
+  if (!onImages()) return;
   if (truthFile_.empty()) throw UsageError("--images needs --truth: a file with the ground truth");
-  const auto truth = evaluation::Truth::load(truthFile_, {margin_, 1.0, 1.0});
-  claimFolder(options_,
-              settings + "\n# images = " + benchmark_.images + "\n# reference = " + benchmark_.reference +
-                  "\n# truth = " + truthFile_ + "\n",
-              {"answers.csv", "curve.csv", "index.html"});
-  benchmark_.progress = options_.quiet ? nullptr : &err;
-  const auto answers = benchmark_.run(truth);
+  truth_ = evaluation::Truth::load(truthFile_, {margin_, 1.0, 1.0});
+}
+
+std::string WordsCommand::identity() const {
+  if (!onImages()) return seedAndSize();
+  return "# images = " + benchmark_.images + "\n# reference = " + benchmark_.reference +
+         "\n# truth = " + truthFile_ + "\n";
+}
+
+std::vector<std::string> WordsCommand::results() const {
+  if (onImages()) return {"answers.csv", "curve.csv", "index.html"};
+  return {"mapping.csv", "closures.csv", "localisation.csv", "attempts.csv", "index.html"};
+}
+
+Findings WordsCommand::measure(const Workplace& place, const std::string& settings) {
+  return onImages() ? measureImages(place, settings) : measureWorld(place, settings);
+}
+
+Findings WordsCommand::measureWorld(const Workplace& place, const std::string& settings) {
+  const WordsPlan& plan = wordsPlan(options().quick);
+  const WordsWorldResult result = WordsWorld(plan, words_, world_, pipeline_, place).run();
+  Findings findings;
+  findings.files = {{"mapping.csv", mappingTable(result).toCsv()},
+                    {"closures.csv", closureTable(result).toCsv()},
+                    {"localisation.csv", localisationTable(result).toCsv()},
+                    {"attempts.csv", attemptTable(result).toCsv()},
+                    {"index.html", toHtml(result, plan, words_, settings, place.seed)}};
+  findings.figures = toJson(result);
+  findings.figures["seed"] = place.seed;
+  findings.summary = toText(result);
+  findings.report = "index.html";
+  return findings;
+}
+
+Findings WordsCommand::measureImages(const Workplace& place, const std::string& settings) {
+  benchmark_.progress = place.progress;
+  const auto answers = benchmark_.run(*truth_);
   const LoopFigures figures = figuresOf(answers);
-  const fs::path folder = options_.folder;
-  base::writeText((folder / "answers.csv").string(), answersCsv(answers), true);
-  base::writeText((folder / "curve.csv").string(), curveCsv(figures.curve), true);
-  base::writeText((folder / "index.html").string(), toHtml(figures, answers, settings), true);
-  writeJson(options_.json, toJson(figures));
-  if (!options_.quiet) out << toText(figures);
-  return kOk;
+  Findings findings;
+  findings.files = {{"answers.csv", tableOf(answers).toCsv()},
+                    {"curve.csv", tableOf(figures.curve).toCsv()},
+                    {"index.html", toHtml(figures, answers, settings)}};
+  findings.figures = toJson(figures);
+  findings.summary = toText(figures);
+  return findings;
 }
 
 }  // namespace engram::apps

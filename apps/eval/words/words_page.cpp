@@ -16,44 +16,20 @@ using exporters::Page;
 Cell whole(int number) { return Cell(static_cast<double>(number), 0); }
 
 /// "5.2" with "(4.1)" behind it.
-Cell meanAndStd(const MeanStd& m) {
-  if (m.count == 0) return "–";
-  Cell cell(m.mean, 1);
-  const Cell deviation(m.std, 1);
-  cell.detail = "(" + deviation.text + ")";
+Cell meanAndStd(double mean, double deviation) {
+  Cell cell(mean, 1);
+  cell.detail = "(" + Cell(deviation, 1).text + ")";
   return cell;
 }
 
 void addMappingTable(Page& page, const WordsWorldResult& result) {
-  exporters::Table table;
-  table.caption =
+  exporters::Table table = mappingTable(result).toPage(
       "Mapping. Images: those that the rule of 0.5 m or 30 degrees uses. Joined: images put to a place that "
       "was there already. Closures: edges to a place that the graph had no short way to. Trajectory errors "
       "are root mean squares after alignment: of the odometry alone, of the map as it grew without any "
-      "relaxation, and of that same map relaxed once by each relaxer";
-  table.header = {"building",       "drive [m]",     "images",           "places",       "joined",
-                  "of these wrong", "true closures", "false closures",   "odometry [m]", "before [m]",
-                  "ceres [m]",      "duckett [m]",   "mrpt_levmarq [m]", "CPU [s]"};
-  table.rowHeads = true;
-  for (const auto& run : result.mapping) {
-    std::vector<Cell> row{run.building,
-                          Cell(run.length, 0),
-                          whole(run.images),
-                          whole(run.places),
-                          whole(run.recognised),
-                          whole(run.recognisedWrong),
-                          whole(run.closuresThatAre(true)),
-                          whole(run.closuresThatAre(false)),
-                          Cell(run.ateOdometry, 2),
-                          Cell(run.ateBefore, 2)};
-    for (const auto& name : comparedRelaxers()) {
-      const auto& ate = run.after.at(name).ate;
-      row.push_back(ate ? Cell(*ate, 2) : Cell("–"));
-    }
-    row.push_back(Cell(run.cpuSeconds, 1));
-    table.rows.push_back(row);
-    markBestOfRow(table, table.rows.size() - 1, exporters::Best::kSmallest);
-  }
+      "relaxation, and of that same map relaxed once by each relaxer",
+      true);
+  for (std::size_t r = 0; r < table.rows.size(); ++r) markBestOfRow(table, r, exporters::Best::kSmallest);
   page.table(table);
 }
 
@@ -87,55 +63,26 @@ void addPaths(Page& page, const WordsWorldResult& result, const WordsPlan& plan)
                                      {truth, curveOf("map, relaxed by ceres", 1, run.relaxed)}, marks),
                 "The same map relaxed, with the closures where the robot was (compare figure 5, bottom)");
     page.endRow();
-    exporters::Table table;
-    table.caption = "All closures of " + run.building;
-    table.header = {"image",      "place", "made by image", "true distance [m]",
-                    "turn [deg]", "right", "in the map"};
-    for (const auto& c : run.closures)
-      table.rows.push_back({Cell(static_cast<double>(c.image), 0), Cell(static_cast<double>(c.place), 0),
-                            Cell(static_cast<double>(c.placeImage), 0), Cell(c.distance, 2),
-                            Cell(c.turn * 180 / M_PI, 0), c.right ? "yes" : "no",
-                            c.kept ? "yes" : "dropped"});
-    page.table(table);
+    page.table(closureTable({{run}, {}}).toPage("All closures of " + run.building));
   }
 }
 
 void addLocalisationTable(Page& page, const WordsWorldResult& result) {
-  exporters::Table table;
-  table.caption =
+  exporters::Table table = localisationTable(result).toPage(
       "Global localisation, mean and standard deviation. Trials: images until one was accepted. Trackings: "
       "images in a row after it that were accepted at the right place. Wrong: accepted images at a wrong "
-      "place. Never: attempts that found nothing before the drive ended";
-  table.header = {"setting",   "transition", "attempts", "trials", "trackings",
-                  "wrong [%]", "never",      "images",   "learnt", "CPU an image [ms]"};
-  for (const auto& run : result.localisation) {
-    const ProtocolFigures f = figuresOf(run.attempts);
-    table.rows.push_back({run.setting, run.transition, whole(f.attempts), meanAndStd(f.trials),
-                          meanAndStd(f.trackings), Cell(100 * f.wrongShare(), 1), whole(f.never),
-                          whole(run.shown), whole(run.learned), Cell(run.msPerImage, 0)});
-  }
-  table.rows.push_back({"paper, indoor", "Gaussians", whole(100), meanAndStd({5, 4, 1}),
-                        meanAndStd({5, 3, 1}), "", "", whole(327), whole(190), whole(115)});
-  table.rows.push_back({"paper, outdoor", "Gaussians", whole(100), meanAndStd({2, 1, 1}),
-                        meanAndStd({12, 10, 1}), "", "", whole(531), whole(230), whole(644)});
+      "place. Never: attempts that found nothing before the drive ended");
+  table.rows.push_back({"paper, indoor", "Gaussians", whole(100), meanAndStd(5, 4), meanAndStd(5, 3), "", "",
+                        whole(327), whole(190), whole(115)});
+  table.rows.push_back({"paper, outdoor", "Gaussians", whole(100), meanAndStd(2, 1), meanAndStd(12, 10), "",
+                        "", whole(531), whole(230), whole(644)});
   page.table(table);
 }
 
 void addEnds(Page& page, const WordsWorldResult& result) {
-  exporters::Table table;
-  table.caption =
+  page.table(endsTable(result).toPage(
       "What ended the tracking, of the attempts that found their place (the paper: the filter usually goes "
-      "on "
-      "to be right, and geometry refuses)";
-  table.header = {"setting", "transition"};
-  for (std::size_t k = 0; k < kMisses; ++k) table.header.push_back(toString(static_cast<Miss>(k)));
-  for (const auto& run : result.localisation) {
-    const ProtocolFigures f = figuresOf(run.attempts);
-    std::vector<Cell> row{run.setting, run.transition};
-    for (const int n : f.ends) row.push_back(whole(n));
-    table.rows.push_back(row);
-  }
-  page.table(table);
+      "on to be right, and geometry refuses)"));
 }
 
 void addDistributions(Page& page, const WordsWorldResult& result, const WordsPlan& plan) {

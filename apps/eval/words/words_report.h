@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/table.h"
 #include "words/words_world.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 
@@ -14,11 +13,12 @@ namespace engram::apps {
 nlohmann::json toJson(const WordsWorldResult& result);
 std::string toText(const WordsWorldResult& result);
 
-/// One line a building; a closure; a setting and transition; an attempt.
-std::string mappingCsv(const WordsWorldResult& result);
-std::string closuresCsv(const WordsWorldResult& result);
-std::string localisationCsv(const WordsWorldResult& result);
-std::string attemptsCsv(const WordsWorldResult& result);
+/// One row a building; a closure; a setting and transition, twice; an attempt.
+ResultTable mappingTable(const WordsWorldResult& result);
+ResultTable closureTable(const WordsWorldResult& result);
+ResultTable localisationTable(const WordsWorldResult& result);
+ResultTable endsTable(const WordsWorldResult& result);
+ResultTable attemptTable(const WordsWorldResult& result);
 
 /// @param settings the configuration in force
 std::string toHtml(const WordsWorldResult& result, const WordsPlan& plan, const WordsWorldParams& params,
