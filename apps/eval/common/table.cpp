@@ -78,7 +78,7 @@ exporters::Cell pageCell(const Value& value, const Shown& shown) {
   return std::visit(
       Overloaded{
           [](std::monostate) { return Cell("–"); }, [](bool yes) { return Cell(yes ? "yes" : "no"); },
-          [](std::int64_t n) { return Cell(static_cast<double>(n), 0); }, number,
+          [&](std::int64_t n) { return number(static_cast<double>(n)); }, number,
           [&](const Interval& i) {
             return Cell(scaled(i.value, shown), scaled(i.low, shown), scaled(i.high, shown), shown.decimals);
           },
@@ -97,7 +97,7 @@ std::string textCell(const Value& value, const Shown& shown) {
   return std::visit(
       Overloaded{[&](std::monostate) { return "-" + shown.unit; },
                  [](bool yes) { return std::string(yes ? "yes" : "no"); },
-                 [](std::int64_t n) { return std::to_string(n); }, number,
+                 [&](std::int64_t n) { return number(static_cast<double>(n)); }, number,
                  [&](const Interval& i) {
                    return line("%5.*f [%5.*f, %5.*f]", shown.decimals, scaled(i.value, shown), shown.decimals,
                                scaled(i.low, shown), shown.decimals, scaled(i.high, shown));

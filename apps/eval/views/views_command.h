@@ -2,25 +2,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "common/experiment_folder.h"
+#include "common/experiment.h"
 #include "views/views_world.h"
-
-#include <iosfwd>
-#include <string>
 
 namespace engram::apps {
 
 /// engram-eval views: the experiments of Konolige & Bowman (2009) on the simulator.
-class ViewsCommand {
+class ViewsCommand final : public Experiment {
  public:
-  void declare(CLI::App& command);
-  int run(std::ostream& out, std::ostream& err);
+  std::string name() const override { return "views"; }
+  std::string description() const override;
+  std::string examples() const override;
 
  private:
-  std::string readConfig();
-  void writeResults(const ViewsResult& result, const std::string& settings) const;
+  void configure(base::Config& config) override;
+  void adjust(const base::IniFile& ini) override;
+  std::string identity() const override { return seedAndSize(); }
+  std::vector<std::string> results() const override { return {"sessions.csv", "offsets.csv", "index.html"}; }
+  Findings measure(const Workplace& place, const std::string& settings) override;
 
-  ExperimentOptions options_;
   ViewsWorldParams views_;
   world::WorldParams world_;
   pipeline::PipelineParams pipeline_;

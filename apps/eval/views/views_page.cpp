@@ -9,65 +9,21 @@
 namespace engram::apps {
 namespace {
 
-using exporters::Cell;
 using exporters::Curve;
 using exporters::Page;
 
-Cell whole(double number) { return Cell(number, 0); }
-
-int total(const std::vector<ViewSession>& sessions, int ViewSession::*member) {
-  int sum = 0;
-  for (const auto& s : sessions) sum += s.*member;
-  return sum;
-}
-
 void addSequences(Page& page, const ViewsResult& result) {
-  const OrderedRun& first = result.orders.front();
-  exporters::Table drives;
-  drives.caption = "One map of all drives, in their own order, drive by drive";
-  drives.header = {"drive",     "images", "views added",      "links",       "false",    "weak made",
-                   "weak left", "parts",  "views in the map", "ms an image", "ms a view"};
-  for (std::size_t k = 0; k < first.sessions.size(); ++k) {
-    const ViewSession& s = first.sessions[k];
-    drives.rows.push_back({whole(static_cast<double>(k + 1)), whole(s.frames), whole(s.viewsAdded),
-                           whole(s.links), whole(s.falseLinks), whole(s.weakMade), whole(s.weakLeft),
-                           whole(s.parts), whole(s.views), Cell(1000 * s.seconds / std::max(1, s.frames), 1),
-                           Cell(s.msPerView, 1)});
-  }
-  page.table(drives);
-  exporters::Table orders;
-  orders.caption =
-      "The same drives in random orders (K: the same map with only minor variation). Error: root mean square "
-      "over all views along all drives, after one alignment";
-  orders.header = {"order", "views", "parts", "weak left", "false links", "error [m]", "of a round [%]"};
-  for (const OrderedRun& run : result.orders) {
-    std::string order;
-    for (const int k : run.order) {
-      if (!order.empty()) order += ' ';
-      order.append(std::to_string(k + 1));
-    }
-    const ViewSession& end = run.sessions.back();
-    orders.rows.push_back({order, whole(end.views), whole(end.parts), whole(end.weakLeft),
-                           whole(total(run.sessions, &ViewSession::falseLinks)), Cell(run.ate, 3),
-                           Cell(100 * run.ate / result.tour, 2)});
-  }
-  page.table(orders);
+  page.table(tableOf(sessionsOf("", result.orders.front().sessions))
+                 .toPage("One map of all drives, in their own order, drive by drive"));
+  page.table(
+      tableOf(result.orders, result.tour)
+          .toPage("The same drives in random orders (K: the same map with only minor variation). Error: "
+                  "root mean square over all views along all drives, after one alignment"));
 }
 
 void addRepair(Page& page, const RepairRun& repair) {
-  exporters::Table table;
-  table.caption = "Repair of that map: days later, furniture moved, both eyes covered again and again";
-  table.header = {"covers",       "views added",     "links within the drive", "links to older views",
-                  "false links",  "weak links made", "weak links left",        "located before",
-                  "located after"};
-  const auto share = [](const LocatedShare& l) {
-    return std::to_string(l.right) + " of " + std::to_string(l.images);
-  };
-  table.rows.push_back({whole(static_cast<double>(repair.covers.size())), whole(repair.session.viewsAdded),
-                        whole(repair.linksWithin), whole(repair.linksAcross),
-                        whole(repair.session.falseLinks), whole(repair.session.weakMade),
-                        whole(repair.session.weakLeft), share(repair.before), share(repair.after)});
-  page.table(table);
+  page.table(tableOf(repair).toPage(
+      "Repair of that map: days later, furniture moved, both eyes covered again and again"));
   page.note("The paper's run: 20 covers, 650 views and 2,676 links within the drive, few to older views.");
 }
 
@@ -107,20 +63,8 @@ void addLifelong(Page& page, const ViewsResult& result) {
 }
 
 void addKappas(Page& page, const ViewsResult& result) {
-  exporters::Table table;
-  table.caption = "Views that a neighbourhood keeps (K-39; the paper's table is lost)";
-  table.header = {"kappa", "views in the map", "located [%]", "CPU a view [ms]", "map [MB]", "error [m]"};
-  for (const auto& run : result.kappas) {
-    LocatedShare all;
-    for (const auto& l : run.located) {
-      all.images += l.images;
-      all.right += l.right;
-    }
-    const ViewSession& end = run.sessions.back();
-    table.rows.push_back({run.rule, whole(end.views), Cell(100 * all.share(), 1), Cell(end.msPerView, 1),
-                          Cell(static_cast<double>(end.bytes) / 1e6, 2), Cell(run.ate, 3)});
-  }
-  page.table(table);
+  page.table(
+      kappaTable(result.kappas).toPage("Views that a neighbourhood keeps (K-39; the paper's table is lost)"));
 }
 
 void addOffsets(Page& page, const ViewsResult& result) {
@@ -139,14 +83,7 @@ void addOffsets(Page& page, const ViewsResult& result) {
 }
 
 void addSpots(Page& page, const ViewsResult& result) {
-  exporters::Table table;
-  table.caption = "One spot that changes in the ways of figure 4 of the paper";
-  table.header = {"what changes", "views kept at the end", "most at once", "looks that matched"};
-  for (const auto& spot : result.spots)
-    table.rows.push_back({spot.name + ": " + spot.about, whole(spot.views.back()),
-                          whole(*std::max_element(spot.views.begin(), spot.views.end())),
-                          std::to_string(spot.matched) + " of " + std::to_string(spot.looks)});
-  page.table(table);
+  page.table(tableOf(result.spots).toPage("One spot that changes in the ways of figure 4 of the paper"));
 }
 
 }  // namespace

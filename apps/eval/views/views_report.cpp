@@ -2,32 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "views/views_report.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 
 namespace engram::apps {
 namespace {
 
 using nlohmann::json;
-
-__attribute__((format(printf, 1, 2))) std::string line(const char* format, ...) {
-  char text[512];
-  va_list args;
-  va_start(args, format);
-  std::vsnprintf(text, sizeof text, format, args);
-  va_end(args);
-  return text;
-}
-
-int sum(const std::vector<ViewSession>& sessions, int ViewSession::*member) {
-  int total = 0;
-  for (const auto& s : sessions) total += s.*member;
-  return total;
-}
 
 json toJson(const LocatedShare& located) {
   return {{"images", located.images},
@@ -37,23 +18,10 @@ json toJson(const LocatedShare& located) {
           {"ms_per_image", located.msPerImage}};
 }
 
-json toJson(const ViewSession& s) {
-  return {{"frames", s.frames},
-          {"views_added", s.viewsAdded},
-          {"views_forgotten", s.viewsForgotten},
-          {"links", s.links},
-          {"false_links", s.falseLinks},
-          {"failures", s.failures},
-          {"weak_links_made", s.weakMade},
-          {"weak_links_left", s.weakLeft},
-          {"parts", s.parts},
-          {"views", s.views},
-          {"edges", s.edges},
-          {"map_bytes", s.bytes},
-          {"ms_per_image", s.frames > 0 ? 1000 * s.seconds / s.frames : 0.0},
-          {"ms_per_view", s.msPerView},
-          {"step_ms", s.stepMs},
-          {"located", s.located}};
+double msPerImage(const ViewSession& s) { return s.frames > 0 ? 1000 * s.seconds / s.frames : 0.0; }
+
+json toJson(const ViewSession& session) {
+  return tableOf(std::vector<SessionRow>{{"", 1, &session}}).toJson().front();
 }
 
 json toJson(const LifelongRun& run) {
@@ -83,9 +51,8 @@ std::string lifelongText(const LifelongRun& run) {
     if (k != 0 && (k + 1) % 10 != 0 && k + 1 != n) continue;
     const ViewSession& s = run.sessions[k];
     text += line("  %-6s session %2zu: %4d views, %5.1f MB, %5.1f ms an image, %5.1f a view, located %s\n",
-                 run.rule.c_str(), k + 1, s.views, static_cast<double>(s.bytes) / 1e6,
-                 s.frames > 0 ? 1000 * s.seconds / s.frames : 0.0, s.msPerView,
-                 k == 0 ? "-" : line("%3.0f %%", 100 * run.located[k].share()).c_str());
+                 run.rule.c_str(), k + 1, s.views, static_cast<double>(s.bytes) / 1e6, msPerImage(s),
+                 s.msPerView, k == 0 ? "-" : line("%3.0f %%", 100 * run.located[k].share()).c_str());
   }
   return text;
 }
@@ -107,65 +74,189 @@ OrderFigures orderFigures(const std::vector<OrderedRun>& orders) {
   return figures;
 }
 
+int total(const std::vector<ViewSession>& sessions, int ViewSession::*member) {
+  int sum = 0;
+  for (const auto& s : sessions) sum += s.*member;
+  return sum;
+}
+
+ResultTable tableOf(const std::vector<SessionRow>& rows) {
+  using R = SessionRow;
+  Columns<R> c;
+  const auto add = [&c](const std::string& name, auto ViewSession::*member) -> ColumnForm& {
+    return c.add(name, [member](const R& r) { return r.session->*member; });
+  };
+  using S = ViewSession;
+  c.add("run", &R::map).csv();
+  c.add("session", &R::number).csv().page("drive");
+  add("frames", &S::frames).csv().json().page("images");
+  add("views_added", &S::viewsAdded).csv().json().page("views added");
+  add("views_forgotten", &S::viewsForgotten).csv().json();
+  add("links", &S::links).csv().json().page("links");
+  add("false_links", &S::falseLinks).csv().json().page("false");
+  add("failures", &S::failures).csv().json();
+  add("weak_made", &S::weakMade).csv().json("weak_links_made").page("weak made");
+  add("weak_left", &S::weakLeft).csv().json("weak_links_left").page("weak left");
+  add("parts", &S::parts).csv().json().page("parts");
+  add("views", &S::views).csv().json().page("views in the map");
+  add("edges", &S::edges).csv().json();
+  add("map_bytes", &S::bytes).csv().json();
+  c.add("ms_per_image", [](const R& r) { return msPerImage(*r.session); })
+      .csv(2)
+      .json()
+      .page("ms an image", fixed(1));
+  add("ms_per_view", &S::msPerView).csv(2).json().page("ms a view", fixed(1));
+  c.add("step_ms", [](const R& r) { return json(r.session->stepMs); }).json();
+  add("located", &S::located).json();
+  c.add("located_images", [](const R& r) { return r.located.images; }).csv();
+  c.add("located_right", [](const R& r) { return r.located.right; }).csv();
+  return c.table(rows);
+}
+
+ResultTable tableOf(const std::vector<OrderedRun>& orders, double tour) {
+  using R = OrderedRun;
+  const auto end = [](const R& r) -> const ViewSession& { return r.sessions.back(); };
+  const auto inWords = [](const R& r) {
+    std::string order;
+    for (const int k : r.order) order.append(order.empty() ? "" : " ").append(std::to_string(k + 1));
+    return order;
+  };
+  Columns<R> c;
+  c.add("order", [](const R& r) { return json(r.order); }).json();
+  c.add("", inWords).page("order");
+  c.add("views", [end](const R& r) { return end(r).views; }).json().page("views");
+  c.add("parts", [end](const R& r) { return end(r).parts; }).json().page("parts");
+  c.add("weak_links_left", [end](const R& r) { return end(r).weakLeft; }).json().page("weak left");
+  c.add("false_links", [](const R& r) { return total(r.sessions, &ViewSession::falseLinks); })
+      .json()
+      .page("false links");
+  c.add("ate_m", &R::ate).json().page("error [m]", fixed(3));
+  c.add("", [tour](const R& r) { return 100 * r.ate / tour; }).page("of a round [%]", fixed(2));
+  return c.table(orders);
+}
+
+ResultTable tableOf(const RepairRun& repair) {
+  using R = RepairRun;
+  const auto share = [](const LocatedShare& l) {
+    return std::to_string(l.right) + " of " + std::to_string(l.images);
+  };
+  Columns<R> c;
+  c.add("session", [](const R& r) { return toJson(r.session); }).json();
+  c.add("covers", [](const R& r) { return r.covers.size(); }).json().page("covers");
+  c.add("", [](const R& r) { return r.session.viewsAdded; }).page("views added");
+  c.add("links_within", &R::linksWithin).json().page("links within the drive");
+  c.add("links_across", &R::linksAcross).json().page("links to older views");
+  c.add("", [](const R& r) { return r.session.falseLinks; }).page("false links");
+  c.add("", [](const R& r) { return r.session.weakMade; }).page("weak links made");
+  c.add("", [](const R& r) { return r.session.weakLeft; }).page("weak links left");
+  c.add("before", [](const R& r) { return toJson(r.before); }).json();
+  c.add("", [share](const R& r) { return share(r.before); }).page("located before");
+  c.add("after", [](const R& r) { return toJson(r.after); }).json();
+  c.add("", [share](const R& r) { return share(r.after); }).page("located after");
+  return c.table(std::vector{repair});
+}
+
+ResultTable kappaTable(const std::vector<LifelongRun>& runs) {
+  using R = LifelongRun;
+  const auto end = [](const R& r) -> const ViewSession& { return r.sessions.back(); };
+  Columns<R> c;
+  c.add("kappa", [](const R& r) { return std::stoi(r.rule); }).json();
+  c.add("", &R::rule).page("kappa").text("kappa", -10);
+  c.add("views", [end](const R& r) { return end(r).views; })
+      .json()
+      .page("views in the map")
+      .text("views", -6);
+  c.add("recall", locatedMean).json().page("located [%]", percent(1)).text("located", -9, percent(1, " %"));
+  c.add("ms_per_view", [end](const R& r) { return end(r).msPerView; })
+      .json()
+      .page("CPU a view [ms]", fixed(1))
+      .text("ms a view", -11, fixed(1));
+  c.add("map_bytes", [end](const R& r) { return end(r).bytes; })
+      .json()
+      .page("map [MB]", mega(2))
+      .text("map [MB]", -10, mega(2));
+  c.add("ate_m", &R::ate).json().page("error [m]", fixed(3));
+  return c.table(runs);
+}
+
+ResultTable tableOf(const std::vector<OffsetCell>& offsets) {
+  using O = OffsetCell;
+  Columns<O> c;
+  c.add("distance_m", &O::distance).csv(2).json();
+  c.add("angle_deg", [](const O& o) { return std::round(o.angle * 180 / M_PI); }).csv().json();
+  c.add("tried", &O::tried).csv().json();
+  c.add("recognised", &O::recognised).csv().json();
+  return c.table(offsets);
+}
+
+ResultTable tableOf(const std::vector<SpotRun>& spots) {
+  using R = SpotRun;
+  Columns<R> c;
+  c.add("name", &R::name).json();
+  c.add("", [](const R& r) { return "  " + r.name; }).text("spots", 16);
+  c.add("", [](const R& r) { return r.name + ": " + r.about; }).page("what changes");
+  c.add("", [](const R& r) { return r.views.back(); }).page("views kept at the end").text("views", -2);
+  c.add("", [](const R& r) {
+     return *std::max_element(r.views.begin(), r.views.end());
+   }).page("most at once");
+  c.add("", [](const R& r) { return line("%d of %d", r.matched, r.looks); }).page("looks that matched");
+  c.add("", [](const R& r) { return line("  %2d of %d", r.matched, r.looks); }).text("matched", 0);
+  c.add("looks", &R::looks).json();
+  c.add("matched", &R::matched).json();
+  c.add("views", [](const R& r) { return json(r.views); }).json();
+  return c.table(spots);
+}
+
+std::vector<SessionRow> sessionsOf(const std::string& map, const std::vector<ViewSession>& sessions,
+                                   const std::vector<LocatedShare>& located) {
+  std::vector<SessionRow> rows;
+  for (std::size_t k = 0; k < sessions.size(); ++k)
+    rows.push_back({map, k + 1, &sessions[k], k < located.size() ? located[k] : LocatedShare{}});
+  return rows;
+}
+
+std::vector<SessionRow> sessionsOf(const ViewsResult& result) {
+  std::vector<SessionRow> rows;
+  const auto add = [&rows](const std::vector<SessionRow>& more) {
+    rows.insert(rows.end(), more.begin(), more.end());
+  };
+  for (std::size_t k = 0; k < result.orders.size(); ++k)
+    add(sessionsOf("order_" + std::to_string(k), result.orders[k].sessions));
+  rows.push_back({"repair", 1, &result.repair.session, result.repair.after});
+  for (const auto& run : result.lifelong) add(sessionsOf("lifelong_" + run.rule, run.sessions, run.located));
+  for (const auto& run : result.kappas) add(sessionsOf("kappa_" + run.rule, run.sessions, run.located));
+  return rows;
+}
+
 json toJson(const ViewsResult& result) {
   const OrderedRun& first = result.orders.front();
   const ViewSession& end = first.sessions.back();
   const OrderFigures orders = orderFigures(result.orders);
-  json runs = json::array(), sessions = json::array(), lifelong = json::array(), kappas = json::array(),
-       offsets = json::array(), spots = json::array();
-  for (const auto& s : first.sessions) sessions.push_back(toJson(s));
-  for (const auto& run : result.orders)
-    runs.push_back({{"order", run.order},
-                    {"views", run.sessions.back().views},
-                    {"weak_links_left", run.sessions.back().weakLeft},
-                    {"parts", run.sessions.back().parts},
-                    {"false_links", sum(run.sessions, &ViewSession::falseLinks)},
-                    {"ate_m", run.ate}});
+  json lifelong = json::array();
   for (const auto& run : result.lifelong) lifelong.push_back(toJson(run));
-  for (const auto& run : result.kappas) {
-    const ViewSession& last = run.sessions.back();
-    kappas.push_back({{"kappa", std::stoi(run.rule)},
-                      {"views", last.views},
-                      {"recall", locatedMean(run)},
-                      {"ms_per_view", last.msPerView},
-                      {"map_bytes", last.bytes},
-                      {"ate_m", run.ate}});
-  }
-  for (const auto& cell : result.offsets)
-    offsets.push_back({{"distance_m", cell.distance},
-                       {"angle_deg", std::round(cell.angle * 180 / M_PI)},
-                       {"tried", cell.tried},
-                       {"recognised", cell.recognised}});
-  for (const auto& spot : result.spots)
-    spots.push_back(
-        {{"name", spot.name}, {"looks", spot.looks}, {"matched", spot.matched}, {"views", spot.views}});
   return {{"sequences", first.sessions.size()},
-          {"frames", sum(first.sessions, &ViewSession::frames)},
+          {"frames", total(first.sessions, &ViewSession::frames)},
           {"views", end.views},
-          {"links", sum(first.sessions, &ViewSession::links)},
-          {"failures", sum(first.sessions, &ViewSession::failures)},
-          {"weak_links_made", sum(first.sessions, &ViewSession::weakMade)},
+          {"links", total(first.sessions, &ViewSession::links)},
+          {"failures", total(first.sessions, &ViewSession::failures)},
+          {"weak_links_made", total(first.sessions, &ViewSession::weakMade)},
           {"weak_links_left", end.weakLeft},
           {"parts", end.parts},
-          {"false_links", sum(first.sessions, &ViewSession::falseLinks)},
+          {"false_links", total(first.sessions, &ViewSession::falseLinks)},
           {"tour_m", result.tour},
           {"path_m", first.length},
           {"ate_m", first.ate},
           {"ate_percent", 100 * first.ate / result.tour},
-          {"sessions", sessions},
+          {"sessions", tableOf(sessionsOf("", first.sessions)).toJson()},
           {"random_orders",
-           {{"views_spread", orders.viewsSpread}, {"ate_ratio_max", orders.ateRatioMax}, {"runs", runs}}},
-          {"repair",
-           {{"session", toJson(result.repair.session)},
-            {"covers", result.repair.covers.size()},
-            {"links_within", result.repair.linksWithin},
-            {"links_across", result.repair.linksAcross},
-            {"before", toJson(result.repair.before)},
-            {"after", toJson(result.repair.after)}}},
+           {{"views_spread", orders.viewsSpread},
+            {"ate_ratio_max", orders.ateRatioMax},
+            {"runs", tableOf(result.orders, result.tour).toJson()}}},
+          {"repair", tableOf(result.repair).toJson().front()},
           {"lifelong", lifelong},
-          {"kappa_table", kappas},
-          {"recognition", offsets},
-          {"spots", spots}};
+          {"kappa_table", kappaTable(result.kappas).toJson()},
+          {"recognition", tableOf(result.offsets).toJson()},
+          {"spots", tableOf(result.spots).toJson()}};
 }
 
 std::string toText(const ViewsResult& result) {
@@ -174,9 +265,9 @@ std::string toText(const ViewsResult& result) {
   std::string text = line(
       "sequences  %zu drives, %.0f m, %d images: %d views, %d links, %d false, %d weak made, %d left, %d "
       "part(s); error %.3f m, %.2f %% of a round\n",
-      first.sessions.size(), first.length, sum(first.sessions, &ViewSession::frames), end.views,
-      sum(first.sessions, &ViewSession::links), sum(first.sessions, &ViewSession::falseLinks),
-      sum(first.sessions, &ViewSession::weakMade), end.weakLeft, end.parts, first.ate,
+      first.sessions.size(), first.length, total(first.sessions, &ViewSession::frames), end.views,
+      total(first.sessions, &ViewSession::links), total(first.sessions, &ViewSession::falseLinks),
+      total(first.sessions, &ViewSession::weakMade), end.weakLeft, end.parts, first.ate,
       100 * first.ate / result.tour);
   const OrderFigures orders = orderFigures(result.orders);
   text += line("orders     %zu random ones: numbers of views differ by %.1f %%, error up to %.2f times\n",
@@ -184,7 +275,7 @@ std::string toText(const ViewsResult& result) {
   for (const auto& run : result.orders)
     text += line("  %4d views, %d part(s), %d weak left, %d false, error %.3f m\n", run.sessions.back().views,
                  run.sessions.back().parts, run.sessions.back().weakLeft,
-                 sum(run.sessions, &ViewSession::falseLinks), run.ate);
+                 total(run.sessions, &ViewSession::falseLinks), run.ate);
   const RepairRun& repair = result.repair;
   text += line(
       "repair     %zu covers: +%d views, %d links (%d to older views), %d false; %d weak links made, %d left "
@@ -195,11 +286,7 @@ std::string toText(const ViewsResult& result) {
       repair.before.images, repair.after.right);
   text += "lifelong\n";
   for (const auto& run : result.lifelong) text += lifelongText(run);
-  text += "kappa      views   located   ms a view   map [MB]\n";
-  for (const auto& run : result.kappas)
-    text += line("  %8s %6d   %5.1f %%   %9.1f   %8.2f\n", run.rule.c_str(), run.sessions.back().views,
-                 100 * locatedMean(run), run.sessions.back().msPerView,
-                 static_cast<double>(run.sessions.back().bytes) / 1e6);
+  text += kappaTable(result.kappas).toText("kappa      views   located   ms a view   map [MB]");
   text += "recognised over distance [m], at 0, 10, 20, 30 degrees\n";
   for (std::size_t k = 0; k + 3 < result.offsets.size(); k += 4) {
     text += line("  %4.2f ", result.offsets[k].distance);
@@ -207,39 +294,8 @@ std::string toText(const ViewsResult& result) {
       text += line(" %3.0f %%", 100.0 * result.offsets[j].recognised / std::max(1, result.offsets[j].tried));
     text += "\n";
   }
-  text += "spots      views kept at the end, looks that matched\n";
-  for (const auto& spot : result.spots)
-    text += line("  %-14s %2d   %2d of %d\n", spot.name.c_str(), spot.views.back(), spot.matched, spot.looks);
+  text += tableOf(result.spots).toText("spots      views kept at the end, looks that matched");
   return text;
-}
-
-std::string sessionsCsv(const ViewsResult& result) {
-  std::string csv =
-      "run,session,frames,views_added,views_forgotten,links,false_links,failures,weak_made,weak_left,parts,"
-      "views,edges,map_bytes,ms_per_image,ms_per_view,located_images,located_right\n";
-  const auto add = [&](const std::string& name, std::size_t k, const ViewSession& s, const LocatedShare& l) {
-    csv += line("%s,%zu,%d,%d,%d,%d,%d,%d,%d,%d,%d,%d,%d,%llu,%.2f,%.2f,%d,%d\n", name.c_str(), k + 1,
-                s.frames, s.viewsAdded, s.viewsForgotten, s.links, s.falseLinks, s.failures, s.weakMade,
-                s.weakLeft, s.parts, s.views, s.edges, static_cast<unsigned long long>(s.bytes),
-                s.frames > 0 ? 1000 * s.seconds / s.frames : 0.0, s.msPerView, l.images, l.right);
-  };
-  for (std::size_t k = 0; k < result.orders.size(); ++k)
-    for (std::size_t j = 0; j < result.orders[k].sessions.size(); ++j)
-      add("order_" + std::to_string(k), j, result.orders[k].sessions[j], {});
-  add("repair", 0, result.repair.session, result.repair.after);
-  for (const auto* runs : {&result.lifelong, &result.kappas})
-    for (const auto& run : *runs)
-      for (std::size_t j = 0; j < run.sessions.size(); ++j)
-        add((runs == &result.lifelong ? "lifelong_" : "kappa_") + run.rule, j, run.sessions[j],
-            run.located[j]);
-  return csv;
-}
-
-std::string offsetsCsv(const ViewsResult& result) {
-  std::string csv = "distance_m,angle_deg,tried,recognised\n";
-  for (const auto& cell : result.offsets)
-    csv += line("%.2f,%.0f,%d,%d\n", cell.distance, cell.angle * 180 / M_PI, cell.tried, cell.recognised);
-  return csv;
 }
 
 }  // namespace engram::apps

@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/table.h"
 #include "views/views_world.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
 #include <string>
@@ -18,13 +17,33 @@ struct OrderFigures {
 };
 OrderFigures orderFigures(const std::vector<OrderedRun>& orders);
 
+/// Sum of a count over all sessions.
+int total(const std::vector<ViewSession>& sessions, int ViewSession::*member);
+
 /// Keys: sequences, views, links, weak_links_left, parts, false_links, ate_m, ate_percent (of one round),
 /// random_orders {views_spread, ate_ratio_max, runs}, repair, lifelong, kappa_table, recognition, spots.
 nlohmann::json toJson(const ViewsResult& result);
 std::string toText(const ViewsResult& result);
-/// Every session of every map, a line each.
-std::string sessionsCsv(const ViewsResult& result);
-std::string offsetsCsv(const ViewsResult& result);
+
+/// One session of one map.
+struct SessionRow {
+  std::string map;
+  std::size_t number = 1;
+  const ViewSession* session = nullptr;
+  LocatedShare located = {};
+};
+/// Of one map; of every map.
+std::vector<SessionRow> sessionsOf(const std::string& map, const std::vector<ViewSession>& sessions,
+                                   const std::vector<LocatedShare>& located = {});
+std::vector<SessionRow> sessionsOf(const ViewsResult& result);
+
+ResultTable tableOf(const std::vector<SessionRow>& sessions);
+/// @param tour length of a round [m]
+ResultTable tableOf(const std::vector<OrderedRun>& orders, double tour);
+ResultTable tableOf(const RepairRun& repair);
+ResultTable tableOf(const std::vector<OffsetCell>& offsets);
+ResultTable tableOf(const std::vector<SpotRun>& spots);
+ResultTable kappaTable(const std::vector<LifelongRun>& runs);
 
 std::string toHtml(const ViewsResult& result, const std::string& settings, std::uint64_t seed);
 
