@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "odometry/odometry_command.h"
 
+#include "common/experiment.h"
 #include "engram/apps/checks.h"
-#include "engram/apps/program.h"
 #include "engram/base/atomic_file.h"
-#include "engram/base/config.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
@@ -26,6 +25,15 @@ namespace {
 const std::vector<double> kLengths{1, 2, 5, 10, 20, 50, 100, 200, 500};  // [m]
 
 }  // namespace
+
+std::string OdometryCommand::description() const {
+  return "Visual odometry from a stereo camera, drift and time";
+}
+
+std::string OdometryCommand::examples() const {
+  return "  engram-eval odometry --rawlog office/session_01.rawlog --camera office/camera.ini --truth "
+         "office/session_01.truth.tum --out vo\n";
+}
 
 void OdometryCommand::declare(CLI::App& command) {
   command.add_option("--rawlog", rawlog_, "Rawlog of a stereo camera")->type_name("FILE");
@@ -55,10 +63,7 @@ bool OdometryCommand::readConfig(std::ostream& out) {
   base::Config config;
   config.bind("source", source_);
   config.bind("odometry", odometry_);
-  base::IniFile ini =
-      config_.empty() ? base::IniFile::parse("", "command line") : base::IniFile::load(config_);
-  for (const auto& assignment : overrides_) ini.override(assignment);
-  config.read(ini);
+  config.read(configOf(config_, overrides_));
   if (dump_) out << config.dump();
   return dump_;
 }
@@ -123,7 +128,7 @@ void OdometryCommand::writeFiles() const {
     evaluation::writeTum(trajectory, drive_.pieces[i]);
   }
   base::writeText((fs::path(folder_) / "trajectory.tum").string(), trajectory.str(), true);
-  base::writeText((fs::path(folder_) / "frames.csv").string(), framesCsv(drive_), true);
+  base::writeText((fs::path(folder_) / "frames.csv").string(), tableOf(drive_.frames).toCsv(), true);
 }
 
 nlohmann::json OdometryCommand::figures() const {

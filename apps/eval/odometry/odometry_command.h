@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/apps/program.h"
 #include "engram/evaluation/drift.h"
 #include "engram/sources/rawlog_source.h"
 #include "odometry/odometry_run.h"
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
 
 #include <iosfwd>
@@ -15,11 +15,15 @@
 
 namespace engram::apps {
 
-/// engram-eval odometry: visual odometry from a stereo rawlog, against ground truth where there is one.
-class OdometryCommand {
+/// engram-eval odometry: visual odometry from a stereo rawlog, against ground truth where there is one. It
+/// needs no folder, keeps nothing, and a recording has no seed: it is no Experiment.
+class OdometryCommand final : public Program {
  public:
-  void declare(CLI::App& command);
-  int run(std::ostream& out, std::ostream& err);
+  std::string name() const override { return "odometry"; }
+  std::string description() const override;
+  std::string examples() const override;
+  void declare(CLI::App& command) override;
+  int run(std::ostream& out, std::ostream& err) override;
 
  private:
   /// True when --dump-config was served.

@@ -4,9 +4,6 @@
 
 #include "engram/evaluation/score.h"
 
-#include <nlohmann/json.hpp>
-
-#include <cstdio>
 #include <map>
 #include <numbers>
 #include <sstream>
@@ -56,30 +53,41 @@ nlohmann::json toJson(const evaluation::Percentiles& p) {
   return {{"mean", p.mean}, {"median", p.median}, {"p95", p.p95}, {"max", p.max}};
 }
 
+ResultTable tableOf(const std::vector<evaluation::StretchError>& stretches) {
+  using S = evaluation::StretchError;
+  Columns<S> c;
+  c.add("length_m", &S::length).json();
+  c.add("stretches", &S::stretches).json();
+  c.add("translation_percent", [](const S& s) { return 100 * s.translation; }).json();
+  c.add("rotation_deg_per_m", [](const S& s) { return kDegrees * s.rotation; }).json();
+  return c.table(stretches);
+}
+
 }  // namespace
 
-std::string framesCsv(const OdometryDrive& drive) {
-  std::ostringstream out;
-  out << "frame,stamp,reason,keyframe,wide_baseline,points,matches,inliers,sigma_px,rectify_ms,odometry_ms\n";
-  for (const auto& f : drive.frames) {
-    const auto& r = f.result;
-    char line[256];
-    std::snprintf(line, sizeof line, "%llu,%.6f,%s,%d,%d,%d,%d,%d,%.3f,%.3f,%.3f\n",
-                  static_cast<unsigned long long>(f.index), f.stamp, toString(r.reason), r.newKeyframe,
-                  r.wideBaseline, r.points, r.matches, r.inliers, r.sigma, f.rectifyMs, f.odometryMs);
-    out << line;
-  }
-  return out.str();
+ResultTable tableOf(const std::vector<OdometryFrame>& frames) {
+  using F = OdometryFrame;
+  using R = odometry::OdometryResult;
+  Columns<F> c;
+  const auto add = [&c](const std::string& name, auto R::*member) -> ColumnForm& {
+    return c.add(name, [member](const F& f) { return f.result.*member; });
+  };
+  c.add("frame", &F::index).csv();
+  c.add("stamp", &F::stamp).csv(6);
+  c.add("reason", [](const F& f) { return toString(f.result.reason); }).csv();
+  add("keyframe", &R::newKeyframe).csv();
+  add("wide_baseline", &R::wideBaseline).csv();
+  add("points", &R::points).csv();
+  add("matches", &R::matches).csv();
+  add("inliers", &R::inliers).csv();
+  add("sigma_px", &R::sigma).csv(3);
+  c.add("rectify_ms", &F::rectifyMs).csv(3);
+  c.add("odometry_ms", &F::odometryMs).csv(3);
+  return c.table(frames);
 }
 
 nlohmann::json figuresJson(const OdometryDrive& drive, const evaluation::Drift& drift) {
   const Counts counts = countsOf(drive);
-  nlohmann::json stretches = nlohmann::json::array();
-  for (const auto& s : drift.byLength)
-    stretches.push_back({{"length_m", s.length},
-                         {"stretches", s.stretches},
-                         {"translation_percent", 100 * s.translation},
-                         {"rotation_deg_per_m", kDegrees * s.rotation}});
   nlohmann::json json{
       {"frames", drive.frames.size()},
       {"keyframes", counts.keyframes},
@@ -89,7 +97,7 @@ nlohmann::json figuresJson(const OdometryDrive& drive, const evaluation::Drift& 
       {"failures", counts.failures},
       {"mean_inliers", counts.inliers},
       {"path_m", counts.length},
-      {"stretches", stretches},
+      {"stretches", tableOf(drift.byLength).toJson()},
       {"ms_per_frame", toJson(timesOf(drive, [](const OdometryFrame& f) { return f.milliseconds(); }))},
       {"rectify_ms", toJson(timesOf(drive, [](const OdometryFrame& f) { return f.rectifyMs; }))}};
   const bool known = drift.measured();
@@ -118,26 +126,20 @@ nlohmann::json toJson(const odometry::StereoHealth& health) {
 std::string figuresText(const OdometryDrive& drive, const evaluation::Drift& drift) {
   const Counts counts = countsOf(drive);
   std::ostringstream out;
-  char line[256];
-  std::snprintf(line, sizeof line, "%zu frames, %d keyframes, %.1f m in %zu piece%s, %.0f inliers a frame\n",
-                drive.frames.size(), counts.keyframes, counts.length, drive.pieces.size(),
-                drive.pieces.size() == 1 ? "" : "s", counts.inliers);
-  out << line;
+  out << line("%zu frames, %d keyframes, %.1f m in %zu piece%s, %.0f inliers a frame\n", drive.frames.size(),
+              counts.keyframes, counts.length, drive.pieces.size(), drive.pieces.size() == 1 ? "" : "s",
+              counts.inliers);
   if (counts.wideBaseline > 0) out << counts.wideBaseline << " frames matched by descriptors\n";
   for (const auto& [reason, times] : counts.failures) out << times << " frames failed: " << reason << "\n";
   for (const auto& s : drift.byLength) {
-    std::snprintf(line, sizeof line, "  over %3.0f m: %.2f %%, %.3f deg/m (%d stretches)\n", s.length,
-                  100 * s.translation, kDegrees * s.rotation, s.stretches);
-    out << line;
+    out << line("  over %3.0f m: %.2f %%, %.3f deg/m (%d stretches)\n", s.length, 100 * s.translation,
+                kDegrees * s.rotation, s.stretches);
   }
   if (drift.measured()) {
-    std::snprintf(line, sizeof line, "drift: %.2f %%, %.3f deg/m\n", 100 * drift.all.translation,
-                  kDegrees * drift.all.rotation);
-    out << line;
+    out << line("drift: %.2f %%, %.3f deg/m\n", 100 * drift.all.translation, kDegrees * drift.all.rotation);
   }
   const auto ms = timesOf(drive, [](const OdometryFrame& f) { return f.milliseconds(); });
-  std::snprintf(line, sizeof line, "%.1f ms a frame (95 %%: %.1f, max %.1f)\n", ms.mean, ms.p95, ms.max);
-  out << line;
+  out << line("%.1f ms a frame (95 %%: %.1f, max %.1f)\n", ms.mean, ms.p95, ms.max);
   return out.str();
 }
 

@@ -2,17 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/table.h"
 #include "engram/evaluation/drift.h"
 #include "odometry/odometry_run.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 
 namespace engram::apps {
 
-/// One line a frame: index, stamp, reason, counts, times.
-std::string framesCsv(const OdometryDrive& drive);
+/// One row a frame: index, stamp, reason, counts, times.
+ResultTable tableOf(const std::vector<OdometryFrame>& frames);
 
 /// @param drift not measured: without truth.
 nlohmann::json figuresJson(const OdometryDrive& drive, const evaluation::Drift& drift);
