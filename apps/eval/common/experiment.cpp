@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/experiment.h"
 
+#include "engram/apps/shipped_config.h"
 #include "engram/base/atomic_file.h"
 
 #include <filesystem>
@@ -14,6 +15,15 @@ base::IniFile configOf(const std::string& file, const std::vector<std::string>& 
   base::IniFile ini = file.empty() ? base::IniFile::parse("", "command line") : base::IniFile::load(file);
   for (const auto& assignment : overrides) ini.override(assignment);
   return ini;
+}
+
+pipeline::PipelineParams shippedPipeline(const std::string& name) {
+  pipeline::PipelineParams params;
+  base::Config config;
+  params.bind(config);
+  config.read(shippedConfig(name));
+  params.camera.file.clear();
+  return params;
 }
 
 void Experiment::declare(CLI::App& command) {

@@ -6,6 +6,7 @@
 #include "common/workplace.h"
 #include "engram/apps/program.h"
 #include "engram/base/config.h"
+#include "engram/pipeline/params.h"
 
 #include <nlohmann/json.hpp>
 
@@ -63,5 +64,9 @@ class Experiment : public Program {
 
 /// The configuration of an optional file with the overrides of the command line on top.
 base::IniFile configOf(const std::string& file, const std::vector<std::string>& overrides);
+
+/// A shipped configuration (see shipped_config.h) but for the camera that it names: an experiment has its
+/// own.
+pipeline::PipelineParams shippedPipeline(const std::string& name);
 
 }  // namespace engram::apps

@@ -9,29 +9,6 @@
 namespace engram::apps {
 namespace fs = std::filesystem;
 
-namespace {
-
-/// config/view_map.ini but for the camera; a test holds the two together.
-pipeline::PipelineParams viewMap() {
-  pipeline::PipelineParams p;
-  p.mapping.nodes = "views";
-  p.camera.stereo = true;
-  p.extractor.upright = true;
-  p.memory.memory = "static";
-  p.recognise.scorer = "vocabulary_tree";
-  p.recognise.verified_scores = 15;
-  p.recognise.accept_inliers = 30;
-  p.recognise.closure_inliers = 30;
-  p.recognise.sure_inliers = 80;
-  p.recognise.accept_similarity = 0.1;
-  p.recognise.closure_similarity = 0.1;
-  p.posegraph.planar = false;
-  p.posegraph.window_places = 60;
-  return p;
-}
-
-}  // namespace
-
 std::string ViewsCommand::description() const {
   return "Lifelong maps of stereo views: stitched drives, repair, fifty sessions, kappa";
 }
@@ -39,7 +16,7 @@ std::string ViewsCommand::description() const {
 std::string ViewsCommand::examples() const { return "  engram-eval views --out views --json views.json\n"; }
 
 void ViewsCommand::configure(base::Config& config) {
-  pipeline_ = viewMap();
+  pipeline_ = shippedPipeline("view_map.ini");
   world_.seed = options().seed;
   world_.drive.spacing = 0.1;  // an image is about 6 a second
   world_.drive.turn_spacing = 4 * M_PI / 180;

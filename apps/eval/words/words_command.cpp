@@ -9,37 +9,6 @@
 namespace engram::apps {
 namespace {
 
-/// config/words_mono.ini; a test holds the two together.
-pipeline::PipelineParams wordsMono() {
-  pipeline::PipelineParams p;
-  p.camera.image_width = 640;
-  p.extractor.upright = true;
-  p.verify.model = "planar_then_essential";
-  p.recognise.scorer = "tfidf_incremental";
-  p.recognise.verified_scores = 10;
-  p.recognise.accept_inliers = 12;
-  p.recognise.accept_similarity = 0.1;
-  p.recognise.sure_inliers = 60;
-  p.recognise.closure_similarity = 0.2;
-  p.belief.peak_sigma = 1.5;
-  p.belief.floor = 0.03;
-  p.belief.accept_hops = 4;
-  p.place.recent_hops = 10;
-  p.fsh.ltm_min_features = 600;
-  return p;
-}
-
-/// config/words_odometry.ini but for the camera; a test holds the two together.
-pipeline::PipelineParams wordsOdometry() {
-  pipeline::PipelineParams p = wordsMono();
-  p.camera.image_width = 0;
-  p.select.min_distance = 0.5;
-  p.place.spacing = 0.5;
-  p.belief.advance = "odometry";
-  p.belief.view_sigma = 30 * M_PI / 180;
-  return p;
-}
-
 /// Options that mean something with --images alone.
 const std::vector<std::string> kImageOptions{"--truth", "--truth-margin", "--reference",
                                              "--gap",   "--stops",        "--reverse"};
@@ -88,12 +57,12 @@ void WordsCommand::refuseImageOptions() const {
 
 void WordsCommand::configure(base::Config& config) {
   if (onImages()) {
-    benchmark_.pipeline = wordsMono();
+    benchmark_.pipeline = shippedPipeline("words_mono.ini");
     benchmark_.pipeline.bind(config);
     return;
   }
   refuseImageOptions();
-  pipeline_ = wordsOdometry();
+  pipeline_ = shippedPipeline("words_odometry.ini");
   world_.seed = options().seed;
   world_.drive.spacing = 0.26;  // the rule of A-06 uses about every second image
   if (options().quick) words_.attempts = 20;
