@@ -11,6 +11,14 @@
 namespace engram::apps {
 namespace fs = std::filesystem;
 
+std::string finished(exporters::Page& page, const std::string& settings, std::uint64_t seed, bool timed) {
+  page.heading("What made this page");
+  page.paragraph("Seed " + std::to_string(seed) + ". The same command gives the same figures" +
+                 (timed ? ", but for processor times." : "."));
+  page.preformatted(settings, "configuration");
+  return page.html();
+}
+
 base::IniFile configOf(const std::string& file, const std::vector<std::string>& overrides) {
   base::IniFile ini = file.empty() ? base::IniFile::parse("", "command line") : base::IniFile::load(file);
   for (const auto& assignment : overrides) ini.override(assignment);

@@ -6,10 +6,12 @@
 #include "common/workplace.h"
 #include "engram/apps/program.h"
 #include "engram/base/config.h"
+#include "engram/exporters/page.h"
 #include "engram/pipeline/params.h"
 
 #include <nlohmann/json.hpp>
 
+#include <cstdint>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -61,6 +63,9 @@ class Experiment : public Program {
 
   ExperimentOptions options_;
 };
+
+/// The page with, at its end, what made it. @param timed some of its figures are times, which differ
+std::string finished(exporters::Page& page, const std::string& settings, std::uint64_t seed, bool timed);
 
 /// The configuration of an optional file with the overrides of the command line on top.
 base::IniFile configOf(const std::string& file, const std::vector<std::string>& overrides);

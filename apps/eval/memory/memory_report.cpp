@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "memory/memory_report.h"
 
+#include "common/experiment.h"
 #include "engram/exporters/charts.h"
 #include "engram/exporters/page.h"
 
@@ -248,10 +249,7 @@ std::string toHtml(const MemoryReport& report) {
   addSweeps(page, report);
   addStaticPlaces(page, report);
   addDrives(page, report);
-  page.heading("What made this page");
-  page.paragraph("Seed " + std::to_string(report.seed) + ". The same command gives the same figures.");
-  page.preformatted(report.settings, "configuration");
-  return page.html();
+  return finished(page, report.settings, report.seed, false);
 }
 
 }  // namespace engram::apps

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tours/tours_report.h"
 
+#include "common/experiment.h"
 #include "engram/exporters/charts.h"
 #include "engram/exporters/page.h"
 
@@ -86,10 +87,7 @@ std::string toHtml(const std::vector<ToursFigure>& figures, const std::vector<To
                   overTours(runs, [](const ToursRun&, const TourRecord& t) { return t.holdings.shortTerm; })),
               "Short-term features a place after each tour");
   page.endRow();
-  page.heading("What made this page");
-  page.paragraph("Seed " + std::to_string(seed) + ". The same command gives the same figures.");
-  page.preformatted(settings, "configuration");
-  return page.html();
+  return finished(page, settings, seed, false);
 }
 
 }  // namespace engram::apps

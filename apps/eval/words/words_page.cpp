@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "common/experiment.h"
 #include "engram/exporters/charts.h"
 #include "engram/exporters/page.h"
 #include "words/words_report.h"
@@ -136,11 +137,7 @@ std::string toHtml(const WordsWorldResult& result, const WordsPlan& plan, const 
   addEnds(page, result);
   addDistributions(page, result, plan);
   addPaths(page, result, plan);
-  page.heading("What made this page");
-  page.paragraph("Seed " + std::to_string(seed) +
-                 ". The same command gives the same figures, but for processor times.");
-  page.preformatted(settings, "configuration");
-  return page.html();
+  return finished(page, settings, seed, true);
 }
 
 }  // namespace engram::apps
