@@ -27,7 +27,7 @@ double scaled(double number, const Shown& shown) { return shown.factor * number 
 /// The fields of one cell, with commas.
 std::string csvCell(const Value& value, int decimals, bool second, bool third) {
   const auto further = [&](double number, bool wanted) {
-    return wanted ? "," + fixedText(number, decimals) : std::string();
+    return wanted ? line(",%.*f", decimals, number) : std::string();
   };
   return std::visit(
       Overloaded{
@@ -85,7 +85,7 @@ exporters::Cell pageCell(const Value& value, const Shown& shown) {
           [&](const Spread& s) {
             if (!s.known) return Cell("–");
             Cell cell = number(s.mean);
-            cell.detail = "(" + number(s.sigma).text + ")";
+            cell.detail = line("(%s)", number(s.sigma).text.c_str());
             return cell;
           },
           [](const std::string& words) { return Cell(words); }, [](const json& j) { return Cell(j.dump()); }},
@@ -95,7 +95,7 @@ exporters::Cell pageCell(const Value& value, const Shown& shown) {
 std::string textCell(const Value& value, const Shown& shown) {
   const auto number = [&](double n) { return fixedText(scaled(n, shown), shown.decimals) + shown.unit; };
   return std::visit(
-      Overloaded{[&](std::monostate) { return "-" + shown.unit; },
+      Overloaded{[&](std::monostate) { return std::string("-") + shown.unit; },
                  [](bool yes) { return std::string(yes ? "yes" : "no"); },
                  [&](std::int64_t n) { return number(static_cast<double>(n)); }, number,
                  [&](const Interval& i) {
@@ -103,7 +103,8 @@ std::string textCell(const Value& value, const Shown& shown) {
                                scaled(i.low, shown), shown.decimals, scaled(i.high, shown));
                  },
                  [&](const Spread& s) {
-                   return s.known ? number(s.mean) + " (" + number(s.sigma) + ")" : std::string("-");
+                   return s.known ? line("%s (%s)", number(s.mean).c_str(), number(s.sigma).c_str())
+                                  : std::string("-");
                  },
                  [](const std::string& words) { return words; }, [](const json& j) { return j.dump(); }},
       value);
@@ -145,7 +146,9 @@ ColumnForm& ColumnForm::text(const std::string& heading, int width, const Shown&
 
 std::string ResultTable::toCsv() const {
   std::string csv;
-  const auto next = [&csv](const std::string& field, bool first) { csv += (first ? "" : ",") + field; };
+  const auto next = [&csv](const std::string& field, bool first) {
+    csv.append(first ? "" : ",").append(field);
+  };
   bool first = true;
   for (const ColumnForm& c : columns_) {
     if (!c.csv_) continue;
