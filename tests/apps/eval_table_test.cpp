@@ -30,7 +30,7 @@ ResultTable tableOf(const std::vector<Row>& rows) {
   c.add("share", &Row::share)
       .csv(2, "share_low", "share_high")
       .json("", "share_95")
-      .page("share [%]", percent(1), exporters::Best::kLargest)
+      .page("share [%]", percent(1), charts::Best::kLargest)
       .text("share [%]", 22, percent(1));
   c.add("trials_mean", &Row::trials)
       .csv(1, "trials_std")
@@ -72,7 +72,7 @@ TEST(ResultTable, AlignsTextForATerminal) {
 }
 
 TEST(ResultTable, GivesPagesWordsAndMarksTheBest) {
-  const exporters::Table page = tableOf(kRows).toPage("caption", true);
+  const charts::Table page = tableOf(kRows).toPage("caption", true);
   EXPECT_EQ(page.caption, "caption");
   EXPECT_TRUE(page.rowHeads);
   EXPECT_THAT(page.header, ElementsAre("who", "images", "closed", "share [%]", "trials", "error [m]"));

@@ -11,7 +11,7 @@
 namespace engram::apps {
 namespace fs = std::filesystem;
 
-std::string finished(exporters::Page& page, const std::string& settings, std::uint64_t seed, bool timed) {
+std::string finished(charts::Page& page, const std::string& settings, std::uint64_t seed, bool timed) {
   page.heading("What made this page");
   page.paragraph("Seed " + std::to_string(seed) + ". The same command gives the same figures" +
                  (timed ? ", but for processor times." : "."));

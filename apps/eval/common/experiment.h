@@ -6,7 +6,7 @@
 #include "common/workplace.h"
 #include "engram/apps/program.h"
 #include "engram/base/config.h"
-#include "engram/exporters/page.h"
+#include "engram/charts/page.h"
 #include "engram/pipeline/params.h"
 
 #include <nlohmann/json.hpp>
@@ -65,7 +65,7 @@ class Experiment : public Program {
 };
 
 /// The page with, at its end, what made it. @param timed some of its figures are times, which differ
-std::string finished(exporters::Page& page, const std::string& settings, std::uint64_t seed, bool timed);
+std::string finished(charts::Page& page, const std::string& settings, std::uint64_t seed, bool timed);
 
 /// The configuration of an optional file with the overrides of the command line on top.
 base::IniFile configOf(const std::string& file, const std::vector<std::string>& overrides);

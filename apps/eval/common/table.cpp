@@ -72,8 +72,8 @@ void addFurther(json& object, const Value& value, const std::string& second, con
   member(object, third) = interval.high;
 }
 
-exporters::Cell pageCell(const Value& value, const Shown& shown) {
-  using exporters::Cell;
+charts::Cell pageCell(const Value& value, const Shown& shown) {
+  using charts::Cell;
   const auto number = [&](double n) { return Cell(scaled(n, shown), shown.decimals); };
   return std::visit(
       Overloaded{
@@ -134,7 +134,7 @@ ColumnForm& ColumnForm::json(const std::string& key, const std::string& second, 
 }
 
 ColumnForm& ColumnForm::page(const std::string& heading, const Shown& shown,
-                             std::optional<exporters::Best> best) {
+                             std::optional<charts::Best> best) {
   page_ = {heading, shown, 0, best};
   return *this;
 }
@@ -182,8 +182,8 @@ nlohmann::json ResultTable::toJson() const {
   return list;
 }
 
-exporters::Table ResultTable::toPage(const std::string& caption, bool rowHeads) const {
-  exporters::Table table{caption, {}, {}, rowHeads};
+charts::Table ResultTable::toPage(const std::string& caption, bool rowHeads) const {
+  charts::Table table{caption, {}, {}, rowHeads};
   table.rows.resize(rows_.size());
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     const auto& form = columns_[c].page_;

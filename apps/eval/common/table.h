@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/charts/page.h"
 #include "engram/evaluation/bootstrap.h"
-#include "engram/exporters/page.h"
 
 #include <nlohmann/json.hpp>
 
@@ -68,7 +68,7 @@ class ColumnForm {
                    const std::string& third = "");
   /// On the page; the best number of the column can stand out.
   ColumnForm& page(const std::string& heading, const Shown& shown = {},
-                   std::optional<exporters::Best> best = {});
+                   std::optional<charts::Best> best = {});
   /// In the table for a terminal, `width` characters wide; right-aligned when that is negative.
   ColumnForm& text(const std::string& heading, int width, const Shown& shown = {});
 
@@ -82,7 +82,7 @@ class ColumnForm {
     std::string heading;
     Shown shown;
     int width = 0;
-    std::optional<exporters::Best> best;
+    std::optional<charts::Best> best;
   };
 
   std::string name_;
@@ -100,7 +100,7 @@ class ResultTable {
   std::string toCsv() const;
   /// A list of objects.
   nlohmann::json toJson() const;
-  exporters::Table toPage(const std::string& caption, bool rowHeads = false) const;
+  charts::Table toPage(const std::string& caption, bool rowHeads = false) const;
   /// @param head instead of the line of headings
   std::string toText(const std::string& head = "") const;
 

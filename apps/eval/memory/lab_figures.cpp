@@ -100,7 +100,7 @@ const std::string& inWords(const std::string& condition) {
 
 ResultTable tableOf(const std::vector<LabFigure>& figures) {
   using F = LabFigure;
-  constexpr auto kLargest = exporters::Best::kLargest, kSmallest = exporters::Best::kSmallest;
+  constexpr auto kLargest = charts::Best::kLargest, kSmallest = charts::Best::kSmallest;
   Columns<F> c;
   c.add("method", &F::method).csv().json().page("method").text("method", 17);
   c.add("condition", &F::condition).csv().json().text("condition", 9);

@@ -3,8 +3,8 @@
 #include "memory/memory_report.h"
 
 #include "common/experiment.h"
-#include "engram/exporters/charts.h"
-#include "engram/exporters/page.h"
+#include "engram/charts/charts.h"
+#include "engram/charts/page.h"
 
 #include <algorithm>
 #include <functional>
@@ -13,11 +13,11 @@
 namespace engram::apps {
 namespace {
 
+using charts::Cell;
+using charts::ChartFrame;
+using charts::Curve;
+using charts::Page;
 using evaluation::Interval;
-using exporters::Cell;
-using exporters::ChartFrame;
-using exporters::Curve;
-using exporters::Page;
 
 using Pick = std::function<const Interval&(const LabFigure&)>;
 
@@ -27,7 +27,7 @@ const std::map<std::string, std::string> kPaperFigures{{"clean", "figures 9 and 
                                                        {"noise_25", "figures 13 and 14"},
                                                        {"noise_50", "figures 15 and 16"}};
 
-exporters::Estimate scaled(const Interval& i, double factor) {
+charts::Estimate scaled(const Interval& i, double factor) {
   return {factor * i.value, factor * i.low, factor * i.high};
 }
 
@@ -49,7 +49,7 @@ void addCondition(Page& page, const MemoryReport& report, const std::string& con
   const auto chart = [&](const std::string& title, const std::string& y, const Pick& pick, bool share) {
     ChartFrame frame{title, "map update", y};
     if (share) frame.yRange = {0.0, 100.0};
-    return exporters::curveChart(frame, curvesOver(report.figures, condition, pick, share ? 100.0 : 1.0));
+    return charts::curveChart(frame, curvesOver(report.figures, condition, pick, share ? 100.0 : 1.0));
   };
   const std::string paper = " (compare " + kPaperFigures.at(condition) + " of the paper)";
   page.beginRow();
@@ -122,18 +122,18 @@ void addMemory(Page& page, const MemoryReport& report) {
     if (c.label.rfind("multi_store_2", 0) == 0) stores.push_back(c);
   }
   page.beginRow();
-  page.figure(exporters::curveChart({"FSH", "map update", "features a place"}, fsh),
+  page.figure(charts::curveChart({"FSH", "map update", "features a place"}, fsh),
               "Long-term and short-term features a place, mean and one sigma over the places (compare figure "
               "17 of the paper)");
-  page.figure(exporters::curveChart({"Multi-store", "map update", "features a place"}, stores),
+  page.figure(charts::curveChart({"Multi-store", "map update", "features a place"}, stores),
               "The same for the two-store memory");
-  page.figure(exporters::curveChart({"Size of a place", "map update", "kB a place"}, bytes),
+  page.figure(charts::curveChart({"Size of a place", "map update", "kB a place"}, bytes),
               "Size as stored in a map file. A bag of words keeps every view, for its geometric check");
   page.endRow();
 }
 
 void addLearning(Page& page, const MemoryReport& report) {
-  exporters::Table table;
+  charts::Table table;
   table.caption =
       "All updates together: views offered, views that were accepted with the consent of the geometry, "
       "those of them at a wrong place (more than one away), and updates of a place that followed";
@@ -174,12 +174,12 @@ void addSweeps(Page& page, const MemoryReport& report) {
   page.heading("The two thresholds of the FSH");
   page.beginRow();
   page.figure(
-      exporters::curveChart({"Pruning age", "prune_view [updates]", "within 1.25 places [%]"},
-                            sweepCurves(report, "prune_view_")),
+      charts::curveChart({"Pruning age", "prune_view [updates]", "within 1.25 places [%]"},
+                         sweepCurves(report, "prune_view_")),
       "Success after the last update over the pruning age (compare figure 6 a of the paper: best at 4)");
   page.figure(
-      exporters::curveChart({"Long-term threshold", "ltm_threshold", "within 1.25 places [%]"},
-                            sweepCurves(report, "ltm_threshold_")),
+      charts::curveChart({"Long-term threshold", "ltm_threshold", "within 1.25 places [%]"},
+                         sweepCurves(report, "ltm_threshold_")),
       "Success after the last update over the long-term threshold, with a floor of 40 long-term features "
       "(compare figure 6 b of the paper: 0.3 and 0.7)");
   page.endRow();
@@ -197,7 +197,7 @@ void addStaticPlaces(Page& page, const MemoryReport& report) {
   }
   page.beginRow();
   for (const auto& [place, lines] : curves)
-    page.figure(exporters::curveChart({"Place: " + place, "image", "similarity [%]"}, lines),
+    page.figure(charts::curveChart({"Place: " + place, "image", "similarity [%]"}, lines),
                 "Similarity of each image to the memory made from those before it (compare figure 8 of the "
                 "paper)");
   page.endRow();
@@ -209,7 +209,7 @@ void addStaticPlaces(Page& page, const MemoryReport& report) {
 
 void addDrives(Page& page, const MemoryReport& report) {
   page.heading("The drives");
-  exporters::Table table;
+  charts::Table table;
   table.header = {"use", "day of the world", "images", "the building"};
   for (const auto& d : report.drives.tours)
     table.rows.push_back({"update " + std::to_string(d.session), Cell(d.session, 0),

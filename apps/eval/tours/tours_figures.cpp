@@ -128,7 +128,7 @@ std::vector<ToursFigure> figuresOf(const std::vector<ToursRun>& runs, int fewMat
 
 ResultTable tableOf(const std::vector<ToursFigure>& figures, int fewMatches) {
   using F = ToursFigure;
-  constexpr auto kSmallest = exporters::Best::kSmallest;
+  constexpr auto kSmallest = charts::Best::kSmallest;
   const std::string under = "under " + std::to_string(fewMatches);
   Columns<F> c;
   c.add("method", &F::method).json().page("method").text("method", 16);

@@ -3,19 +3,19 @@
 #include "tours/tours_report.h"
 
 #include "common/experiment.h"
-#include "engram/exporters/charts.h"
-#include "engram/exporters/page.h"
+#include "engram/charts/charts.h"
+#include "engram/charts/page.h"
 
 #include <algorithm>
 
 namespace engram::apps {
 namespace {
 
-using exporters::Cell;
-using exporters::Curve;
+using charts::Cell;
+using charts::Curve;
 
-exporters::Table comparison(const std::vector<ToursFigure>& figures, int few) {
-  exporters::Table table =
+charts::Table comparison(const std::vector<ToursFigure>& figures, int few) {
+  charts::Table table =
       tableOf(figures, few)
           .toPage(
               "All images of all tours but the first, with 95 % intervals by bootstrap over tours. Failure: "
@@ -48,8 +48,8 @@ double failureShare(const ToursRun& run, const TourRecord& tour) {
          std::max<double>(1.0, static_cast<double>(tour.queries.size()));
 }
 
-std::vector<exporters::Distribution> matchedPoints(const std::vector<ToursRun>& runs) {
-  std::vector<exporters::Distribution> all;
+std::vector<charts::Distribution> matchedPoints(const std::vector<ToursRun>& runs) {
+  std::vector<charts::Distribution> all;
   for (const ToursRun& run : runs) {
     all.push_back({run.method, static_cast<int>(all.size()), {}});
     for (const TourRecord& tour : run.tours)
@@ -62,7 +62,7 @@ std::vector<exporters::Distribution> matchedPoints(const std::vector<ToursRun>& 
 
 std::string toHtml(const std::vector<ToursFigure>& figures, const std::vector<ToursRun>& runs,
                    const ToursParams& params, const std::string& settings, std::uint64_t seed) {
-  exporters::Page page("Tours: two months in a changing building");
+  charts::Page page("Tours: two months in a changing building");
   page.paragraph("A robot drives the simulated building (" + params.preset + ", seed " +
                  std::to_string(seed) + ") " + std::to_string(params.tours) + " times. " +
                  std::to_string(params.places) +
@@ -71,18 +71,18 @@ std::string toHtml(const std::vector<ToursFigure>& figures, const std::vector<To
   page.table(comparison(figures, params.few_matches));
   page.beginRow();
   page.figure(
-      exporters::curveChart({"Failures", "tour", "failures [% of images]"}, overTours(runs, failureShare)),
+      charts::curveChart({"Failures", "tour", "failures [% of images]"}, overTours(runs, failureShare)),
       "Failures of global localisation on each tour");
-  page.figure(exporters::cumulativeChart(
-                  {"Matched points", "points matched with the winner", "images [%]"}, matchedPoints(runs),
-                  exporters::Threshold{static_cast<double>(params.few_matches),
-                                       std::to_string(params.few_matches) + " points"}),
+  page.figure(charts::cumulativeChart({"Matched points", "points matched with the winner", "images [%]"},
+                                      matchedPoints(runs),
+                                      charts::Threshold{static_cast<double>(params.few_matches),
+                                                        std::to_string(params.few_matches) + " points"}),
               "Cumulative distribution of the matched points (compare figure 8 of the paper)");
-  page.figure(exporters::curveChart(
+  page.figure(charts::curveChart(
                   {"Long-term memory", "tour", "features a place"},
                   overTours(runs, [](const ToursRun&, const TourRecord& t) { return t.holdings.longTerm; })),
               "Long-term features a place after each tour (compare figure 5 of the paper)");
-  page.figure(exporters::curveChart(
+  page.figure(charts::curveChart(
                   {"Short-term memory", "tour", "features a place"},
                   overTours(runs, [](const ToursRun&, const TourRecord& t) { return t.holdings.shortTerm; })),
               "Short-term features a place after each tour");

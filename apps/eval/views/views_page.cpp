@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/experiment.h"
-#include "engram/exporters/charts.h"
-#include "engram/exporters/page.h"
+#include "engram/charts/charts.h"
+#include "engram/charts/page.h"
 #include "views/views_report.h"
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 namespace engram::apps {
 namespace {
 
-using exporters::Curve;
-using exporters::Page;
+using charts::Curve;
+using charts::Page;
 
 void addSequences(Page& page, const ViewsResult& result) {
   page.table(tableOf(sessionsOf("", result.orders.front().sessions))
@@ -40,7 +40,7 @@ void addLifelong(Page& page, const ViewsResult& result) {
         curve.points.push_back({static_cast<double>(k + 1), {value(run, k)}});
       curves.push_back(std::move(curve));
     }
-    return exporters::curveChart({title, "session", yLabel}, curves);
+    return charts::curveChart({title, "session", yLabel}, curves);
   };
   page.beginRow();
   page.figure(chart("Views", "views in the map",
@@ -79,7 +79,7 @@ void addOffsets(Page& page, const ViewsResult& result) {
     }
     curve->points.push_back({cell.distance, {100.0 * cell.recognised / std::max(1, cell.tried)}});
   }
-  page.figure(exporters::curveChart({"Recognition rate", "distance [m]", "recognised [%]"}, curves),
+  page.figure(charts::curveChart({"Recognition rate", "distance [m]", "recognised [%]"}, curves),
               "Views so far ahead of a reference view and turned against it (compare figure 1 of the paper)");
 }
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "words/loop_figures.h"
 
-#include "engram/exporters/charts.h"
-#include "engram/exporters/page.h"
+#include "engram/charts/charts.h"
+#include "engram/charts/page.h"
 
 #include <array>
 
@@ -113,14 +113,13 @@ std::string toText(const LoopFigures& f) {
 
 std::string toHtml(const LoopFigures& f, const std::vector<LoopAnswer>& answers,
                    const std::string& settings) {
-  exporters::Page page("Loop closures by visual words");
+  charts::Page page("Loop closures by visual words");
   page.preformatted(toText(f)).paragraph(kScoreWords);
-  exporters::Curve curve{"precision over recall", 0, {}};
+  charts::Curve curve{"precision over recall", 0, {}};
   for (const auto& p : f.curve.points) curve.points.push_back({100 * p.recall, {100 * p.precision}});
-  exporters::ChartFrame frame{"Precision and recall", "recall [%]", "precision [%]"};
+  charts::ChartFrame frame{"Precision and recall", "recall [%]", "precision [%]"};
   frame.yRange = {0.0, 100.0};
-  page.figure(exporters::curveChart(frame, {curve}),
-              "One point for each score; the surest answers stand left.");
+  page.figure(charts::curveChart(frame, {curve}), "One point for each score; the surest answers stand left.");
   std::vector<LoopAnswer> accepted;
   for (const auto& a : answers)
     if (a.accepted) accepted.push_back(a);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/experiment.h"
-#include "engram/exporters/charts.h"
-#include "engram/exporters/page.h"
+#include "engram/charts/charts.h"
+#include "engram/charts/page.h"
 #include "words/words_report.h"
 
 #include <algorithm>
@@ -10,9 +10,9 @@
 namespace engram::apps {
 namespace {
 
-using exporters::Cell;
-using exporters::Curve;
-using exporters::Page;
+using charts::Cell;
+using charts::Curve;
+using charts::Page;
 
 Cell whole(int number) { return Cell(static_cast<double>(number), 0); }
 
@@ -24,13 +24,13 @@ Cell meanAndStd(double mean, double deviation) {
 }
 
 void addMappingTable(Page& page, const WordsWorldResult& result) {
-  exporters::Table table = mappingTable(result).toPage(
+  charts::Table table = mappingTable(result).toPage(
       "Mapping. Images: those that the rule of 0.5 m or 30 degrees uses. Joined: images put to a place that "
       "was there already. Closures: edges to a place that the graph had no short way to. Trajectory errors "
       "are root mean squares after alignment: of the odometry alone, of the map as it grew without any "
       "relaxation, and of that same map relaxed once by each relaxer",
       true);
-  for (std::size_t r = 0; r < table.rows.size(); ++r) markBestOfRow(table, r, exporters::Best::kSmallest);
+  for (std::size_t r = 0; r < table.rows.size(); ++r) markBestOfRow(table, r, charts::Best::kSmallest);
   page.table(table);
 }
 
@@ -55,13 +55,13 @@ void addPaths(Page& page, const WordsWorldResult& result, const WordsPlan& plan)
     page.beginRow();
     const Curve truth = curveOf("truth", 0, run.truth);
     page.figure(
-        exporters::pathChart(
+        charts::pathChart(
             {"Without relaxation", "x [m]", "y [m]"},
             {truth, curveOf("odometry", 3, run.odometry), curveOf("map as it grew", 1, run.before)}),
         "The robot's way by odometry, and by the map before any relaxation (compare figure 5, top, of "
         "the paper)");
-    page.figure(exporters::pathChart({"Relaxed", "x [m]", "y [m]"},
-                                     {truth, curveOf("map, relaxed by ceres", 1, run.relaxed)}, marks),
+    page.figure(charts::pathChart({"Relaxed", "x [m]", "y [m]"},
+                                  {truth, curveOf("map, relaxed by ceres", 1, run.relaxed)}, marks),
                 "The same map relaxed, with the closures where the robot was (compare figure 5, bottom)");
     page.endRow();
     page.table(closureTable({{run}, {}}).toPage("All closures of " + run.building));
@@ -69,7 +69,7 @@ void addPaths(Page& page, const WordsWorldResult& result, const WordsPlan& plan)
 }
 
 void addLocalisationTable(Page& page, const WordsWorldResult& result) {
-  exporters::Table table = localisationTable(result).toPage(
+  charts::Table table = localisationTable(result).toPage(
       "Global localisation, mean and standard deviation. Trials: images until one was accepted. Trackings: "
       "images in a row after it that were accepted at the right place. Wrong: accepted images at a wrong "
       "place. Never: attempts that found nothing before the drive ended");
@@ -88,7 +88,7 @@ void addEnds(Page& page, const WordsWorldResult& result) {
 
 void addDistributions(Page& page, const WordsWorldResult& result, const WordsPlan& plan) {
   for (const auto& setting : plan.settings) {
-    std::vector<exporters::Distribution> trials, trackings;
+    std::vector<charts::Distribution> trials, trackings;
     for (const auto& run : result.localisation) {
       if (run.setting != setting.name) continue;
       const int style = static_cast<int>(trials.size());
@@ -101,12 +101,12 @@ void addDistributions(Page& page, const WordsWorldResult& result, const WordsPla
       }
     }
     page.beginRow();
-    page.figure(exporters::cumulativeChart(
-                    {"Trials, " + setting.name, "images until accepted", "attempts [%]"}, trials),
-                "Trials in the setting " + setting.name + " (" + setting.about + "); left is better");
-    page.figure(exporters::cumulativeChart({"Trackings, " + setting.name, "images in a row", "attempts [%]"},
-                                           trackings),
-                "Trackings in the setting " + setting.name + "; right is better");
+    page.figure(
+        charts::cumulativeChart({"Trials, " + setting.name, "images until accepted", "attempts [%]"}, trials),
+        "Trials in the setting " + setting.name + " (" + setting.about + "); left is better");
+    page.figure(
+        charts::cumulativeChart({"Trackings, " + setting.name, "images in a row", "attempts [%]"}, trackings),
+        "Trackings in the setting " + setting.name + "; right is better");
     page.endRow();
   }
 }

@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "colours.h"
-#include "engram/exporters/charts.h"
+#include "engram/charts/charts.h"
+#include "engram/charts/colours.h"
 
 #include <Eigen/Core>
 
 #include <string>
 #include <vector>
 
-namespace engram::exporters {
+namespace engram::charts {
 
 /// Round numbers that divide [low, high] into about `wanted` parts, and their distance.
 double tickStep(double low, double high, int wanted);
@@ -76,4 +76,4 @@ class Drawing {
 /// Colour of a style.
 inline Colour styleColour(int style) { return categoryColour(static_cast<std::size_t>(style)); }
 
-}  // namespace engram::exporters
+}  // namespace engram::charts

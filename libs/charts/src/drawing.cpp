@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drawing.h"
+#include "engram/charts/drawing.h"
 
-#include "markup.h"
+#include "engram/charts/markup.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-namespace engram::exporters {
+namespace engram::charts {
 namespace {
 
 constexpr double kFont = 12, kTitleFont = 13, kLine = 15;
@@ -267,4 +267,4 @@ void Drawing::words(Eigen::Vector2d at, const std::string& text, int size) {
 
 std::string Drawing::finish() && { return std::move(svg_) + "</svg>\n"; }
 
-}  // namespace engram::exporters
+}  // namespace engram::charts

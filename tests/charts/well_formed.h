@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace engram::exporters {
+namespace engram::charts {
 
 /// Checks that tags are closed in order, attributes quoted and all entities known: what an XML parser would
 /// ask for.
@@ -43,4 +43,4 @@ inline std::string whyNotWellFormed(const std::string& html, const std::string& 
   return open.empty() ? "" : "open: " + open.back();
 }
 
-}  // namespace engram::exporters
+}  // namespace engram::charts

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "markup.h"
+#include "engram/charts/markup.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string_view>
 
-namespace engram::exporters {
+namespace engram::charts {
 namespace {
 
 /// Length of the UTF-8 sequence at `i`, 0 when it is not valid.
@@ -97,4 +97,4 @@ std::vector<std::string> wrapped(const std::string& text, double width, double f
   return lines;
 }
 
-}  // namespace engram::exporters
+}  // namespace engram::charts

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/exporters/charts.h"
+#include "engram/charts/charts.h"
 
-#include "drawing.h"
 #include "engram/base/error.h"
-#include "markup.h"
+#include "engram/charts/drawing.h"
+#include "engram/charts/markup.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-namespace engram::exporters {
+namespace engram::charts {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -358,4 +358,4 @@ std::string timeline(const ChartFrame& frame, const std::vector<Distribution>& s
   return std::move(drawing).finish();
 }
 
-}  // namespace engram::exporters
+}  // namespace engram::charts

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace engram::exporters {
+namespace engram::charts {
 
 /// Text for HTML and SVG: markup characters are escaped, bytes that are not UTF-8 or not printable are
 /// replaced.
@@ -20,4 +20,4 @@ double textWidth(const std::string& text, double fontSize);
 /// The text broken between words into lines of at most `width` pixels, as far as words allow.
 std::vector<std::string> wrapped(const std::string& text, double width, double fontSize);
 
-}  // namespace engram::exporters
+}  // namespace engram::charts

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/exporters/charts.h"
+#include "engram/charts/charts.h"
 
 #include "engram/base/error.h"
 #include "well_formed.h"
@@ -12,7 +12,7 @@
 #include <cmath>
 #include <map>
 
-namespace engram::exporters {
+namespace engram::charts {
 namespace {
 
 using ::testing::ElementsAre;
@@ -373,4 +373,4 @@ TEST(Charts, ColoursDifferForColourBlindEyes) {
 }
 
 }  // namespace
-}  // namespace engram::exporters
+}  // namespace engram::charts

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engram/exporters/page.h"
+#include "engram/charts/page.h"
 
-namespace engram::exporters {
+namespace engram::charts {
 
 /// The table alone, without its caption. Throws base::Error when a row is not as long as the header.
 std::string markup(const Table& table);
 
-}  // namespace engram::exporters
+}  // namespace engram::charts

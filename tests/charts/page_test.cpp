@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/exporters/page.h"
+#include "engram/charts/page.h"
 
 #include "engram/base/error.h"
-#include "engram/exporters/charts.h"
+#include "engram/charts/charts.h"
 #include "well_formed.h"
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@
 #include <cmath>
 #include <limits>
 
-namespace engram::exporters {
+namespace engram::charts {
 namespace {
 
 using ::testing::HasSubstr;
@@ -98,4 +98,4 @@ TEST(MarkBest, MarksAllThatReadTheSame) {
 }
 
 }  // namespace
-}  // namespace engram::exporters
+}  // namespace engram::charts

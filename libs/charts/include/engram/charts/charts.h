@@ -11,7 +11,7 @@
 /// Charts as SVG text. Each is a document of its own (write it to a .svg file) and may stand inside a page
 /// (see page.h). A series has a style: one of eight colours that colour-blind eyes tell apart, and a marker;
 /// equal styles look equal in all charts. A chart without any value is a sentence instead.
-namespace engram::exporters {
+namespace engram::charts {
 
 /// Words and size of a chart.
 struct ChartFrame {
@@ -90,4 +90,4 @@ std::string histogram(const ChartFrame& frame, const std::vector<Distribution>& 
 /// Values over their index. Long series are drawn as the largest value of each bin of neighbours.
 std::string timeline(const ChartFrame& frame, const std::vector<Distribution>& series);
 
-}  // namespace engram::exporters
+}  // namespace engram::charts

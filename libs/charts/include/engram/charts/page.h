@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace engram::exporters {
+namespace engram::charts {
 
 /// One cell of a table.
 struct Cell {
@@ -71,4 +71,4 @@ class Page {
   bool inRow_ = false;
 };
 
-}  // namespace engram::exporters
+}  // namespace engram::charts

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/exporters/page.h"
+#include "engram/charts/page.h"
 
 #include "engram/base/error.h"
-#include "markup.h"
+#include "engram/charts/markup.h"
 #include "table_markup.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-namespace engram::exporters {
+namespace engram::charts {
 namespace {
 
 constexpr const char* kStyle = R"(
@@ -178,4 +178,4 @@ std::string Page::html() const {
          "</h1>\n" + body_ + (inRow_ ? "</div>\n" : "") + "</body>\n</html>\n";
 }
 
-}  // namespace engram::exporters
+}  // namespace engram::charts

@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "colours.h"
+#include "engram/charts/colours.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
-namespace engram::exporters {
+namespace engram::charts {
 
 std::string hex(Colour c) {
   char text[8];
@@ -26,24 +27,6 @@ Colour viridis(double fraction) {
   return {mix(0), mix(1), mix(2)};
 }
 
-Colour edgeColour(map::EdgeType type) {
-  switch (type) {
-    case map::EdgeType::kOdometry:
-      return {120, 120, 120};
-    case map::EdgeType::kLoop:
-      return {213, 60, 30};
-    case map::EdgeType::kRecognition:
-      return {0, 114, 178};
-    case map::EdgeType::kWeak:
-      return {200, 170, 60};
-    case map::EdgeType::kCompounded:
-      return {150, 80, 160};
-    case map::EdgeType::kDeadReckoning:
-      return {190, 190, 190};
-  }
-  return {};
-}
-
 Colour categoryColour(std::size_t index) {
   // Found by search: the closest two of the first six differ by 37 (CIE76) for normal, protan, deutan and
   // tritan eyes; of all eight by 30.
@@ -58,10 +41,4 @@ Colour categoryColour(std::size_t index) {
   return kColours[index % kColours.size()];
 }
 
-int largestLongTerm(const map::MapContent& content) {
-  std::size_t largest = 1;
-  for (const auto& [id, place] : content.places) largest = std::max(largest, place.memory.longTerm().size());
-  return static_cast<int>(largest);
-}
-
-}  // namespace engram::exporters
+}  // namespace engram::charts

@@ -2,28 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/charts/colours.h"
 #include "engram/map/map_content.h"
 
 #include <array>
-#include <cstdint>
-#include <string>
 
 namespace engram::exporters {
 
-struct Colour {
-  std::uint8_t r = 0, g = 0, b = 0;
-};
-
-/// #rrggbb
-std::string hex(Colour c);
-
-/// From dark violet (0) over green to yellow (1), even in lightness and safe for colour-blind eyes (viridis).
-Colour viridis(double fraction);
-
-Colour edgeColour(map::EdgeType type);
-
-/// One of eight colours that colour-blind eyes tell apart, for sessions and the series of charts.
-Colour categoryColour(std::size_t index);
+charts::Colour edgeColour(map::EdgeType type);
 
 /// All kinds of edges, in the order of legends.
 inline constexpr std::array kEdgeTypes{map::EdgeType::kOdometry,    map::EdgeType::kLoop,
