@@ -6,6 +6,7 @@
 
 set(rank_base 0)
 set(rank_types 1)
+set(rank_charts 1)
 set(rank_cameras 2)
 foreach(lib sources features geometry memory vocabulary belief posegraph)
   set(rank_${lib} 3)

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "common/methods.h"
+#include "common/recorded_drive.h"
 #include "engram/base/error.h"
 #include "engram/base/rng.h"
 #include "eval_program.h"
-#include "lab_figures.h"
 #include "make_features.h"
-#include "method_run_file.h"
-#include "methods.h"
+#include "memory/lab_figures.h"
+#include "memory/method_run_file.h"
 #include "program_run.h"
-#include "recorded_drive.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

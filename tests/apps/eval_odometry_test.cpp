@@ -4,7 +4,7 @@
 #include "engram/apps/program.h"
 #include "engram/evaluation/trajectory.h"
 #include "engram/sources/rawlog_writer.h"
-#include "odometry_command.h"
+#include "odometry/odometry_command.h"
 #include "program_run.h"
 #include "rawlog_fixture.h"
 #include "rawlog_program.h"

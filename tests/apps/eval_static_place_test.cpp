@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "static_place.h"
+#include "memory/static_place.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -79,11 +79,11 @@ TEST_F(StaticPlaceTest, ComparesMemoriesAtTwoPlaces) {
   ASSERT_EQ(exposure.size(), 2u);
   EXPECT_GT(exposure["window"], 4 * exposure["inside"]);
   // One thread, and a second run that finds the days of the first, give the same to the last digit.
-  const auto one = toJson(run("b", 1)).dump();
-  EXPECT_EQ(toJson(results).dump(), one);
+  const auto one = tableOf(run("b", 1)).toJson().dump();
+  EXPECT_EQ(tableOf(results).toJson().dump(), one);
   fs::remove(folder_ + "/b/static_place/inside_day_2.features");
   const auto kept = fs::last_write_time(folder_ + "/b/static_place/window_day_1.features");
-  EXPECT_EQ(toJson(run("b", 2)).dump(), one);
+  EXPECT_EQ(tableOf(run("b", 2)).toJson().dump(), one);
   EXPECT_EQ(fs::last_write_time(folder_ + "/b/static_place/window_day_1.features"), kept);
 }
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "common/methods.h"
 #include "eval_program.h"
 #include "make_features.h"
-#include "methods.h"
 #include "program_run.h"
-#include "tours_figures.h"
-#include "tours_run_file.h"
+#include "tours/tours_figures.h"
+#include "tours/tours_run_file.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

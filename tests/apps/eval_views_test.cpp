@@ -3,7 +3,7 @@
 #include "engram/store/map_file.h"
 #include "eval_program.h"
 #include "program_run.h"
-#include "views_report.h"
+#include "views/views_report.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -4,9 +4,9 @@
 #include "engram/evaluation/trajectory.h"
 #include "eval_program.h"
 #include "program_run.h"
-#include "words_localisation.h"
-#include "words_protocol.h"
-#include "words_run_file.h"
+#include "words/words_localisation.h"
+#include "words/words_protocol.h"
+#include "words/words_run_file.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -49,7 +49,7 @@ TEST_F(HtmlTest, IsWellFormedAndLoadsNothing) {
                                    .map = &map_,
                                    .records = records,
                                    .figures = {{"ATE [m]", "0.31"}}});
-  EXPECT_EQ(whyNotWellFormed(html), "");
+  EXPECT_EQ(charts::whyNotWellFormed(html), "");
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, Not(HasSubstr("href")));
   EXPECT_THAT(html, Not(HasSubstr("src=")));
@@ -72,7 +72,7 @@ TEST_F(HtmlTest, SaysWhatTheMapHolds) {
   EXPECT_THAT(html, HasSubstr("<tr><th>Sessions</th><td class=\"n\">2</td></tr>"));
   const std::regex circle("<circle");
   EXPECT_EQ(std::distance(std::sregex_iterator(html.begin(), html.end(), circle), {}), 7);
-  EXPECT_EQ(whyNotWellFormed(html), "");
+  EXPECT_EQ(charts::whyNotWellFormed(html), "");
 }
 
 TEST_F(HtmlTest, GroupsRefusalsByKind) {
@@ -84,11 +84,11 @@ TEST_F(HtmlTest, GroupsRefusalsByKind) {
 
 TEST_F(HtmlTest, PartsMayBeMissing) {
   const map::TopologicalMap empty;
-  EXPECT_EQ(
-      whyNotWellFormed(toHtml({.title = "", .header = nullptr, .map = &empty, .records = {}, .figures = {}})),
-      "");
+  EXPECT_EQ(charts::whyNotWellFormed(
+                toHtml({.title = "", .header = nullptr, .map = &empty, .records = {}, .figures = {}})),
+            "");
   const std::vector<types::FrameReport> one(1);
-  EXPECT_EQ(whyNotWellFormed(
+  EXPECT_EQ(charts::whyNotWellFormed(
                 toHtml({.title = "", .header = nullptr, .map = nullptr, .records = one, .figures = {}})),
             "");
 }

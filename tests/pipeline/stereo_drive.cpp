@@ -62,18 +62,10 @@ pipeline::PipelineParams stereoParams() {
     return path;
   }();
   pipeline::PipelineParams p;
-  p.mapping.nodes = "views";
+  base::Config config;
+  p.bind(config);
+  config.read(base::IniFile::load(ENGRAM_SOURCE_DIR "/config/view_map.ini"));
   p.camera.file = file;
-  p.camera.stereo = true;
-  p.extractor.upright = true;
-  p.memory.memory = "static";
-  p.recognise.scorer = "vocabulary_tree";
-  p.recognise.verified_scores = 15;
-  p.recognise.accept_inliers = 30;
-  p.recognise.closure_inliers = 30;
-  p.recognise.sure_inliers = 80;
-  p.recognise.accept_similarity = 0.1;
-  p.posegraph.planar = false;
   p.views.min_interval = 0.3;
   return p;
 }

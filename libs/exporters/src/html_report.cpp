@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/exporters/html_report.h"
 
-#include "colours.h"
-#include "engram/exporters/charts.h"
-#include "engram/exporters/page.h"
+#include "engram/charts/charts.h"
+#include "engram/charts/markup.h"
+#include "engram/charts/page.h"
 #include "map_chart.h"
-#include "markup.h"
+#include "map_colours.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,12 @@
 namespace engram::exporters {
 namespace {
 
+using charts::Cell;
+using charts::ChartFrame;
+using charts::escaped;
+using charts::number;
+using charts::Page;
+using charts::Table;
 using Rows = std::vector<std::pair<std::string, std::string>>;
 
 ChartFrame frame(const std::string& title, const std::string& xLabel, const std::string& yLabel) {

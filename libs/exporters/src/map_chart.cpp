@@ -2,12 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_chart.h"
 
-#include "drawing.h"
+#include "engram/charts/drawing.h"
+#include "map_colours.h"
 
 #include <algorithm>
 
 namespace engram::exporters {
 namespace {
+
+using charts::Drawing;
+using charts::LegendEntry;
+using charts::LegendKey;
 
 Eigen::Vector2d onGround(const Eigen::Isometry3d& T) { return T.translation().head<2>(); }
 
@@ -17,7 +22,7 @@ void drawPaths(Drawing& drawing, const map::TopologicalMap& map) {
     const map::PathPoint& p = map.path()[i];
     points.push_back(onGround(map.T_map_robot(p)));
     if (i + 1 < map.path().size() && map.path()[i + 1].session == p.session) continue;
-    drawing.polyline(points, categoryColour(static_cast<std::size_t>(p.session)), 1.0);
+    drawing.polyline(points, charts::categoryColour(static_cast<std::size_t>(p.session)), 1.0);
     points.clear();
   }
 }
@@ -37,7 +42,7 @@ void drawPlaces(Drawing& drawing, const map::TopologicalMap& map) {
   for (const auto& [id, place] : map.places()) {
     const std::size_t longTerm = place.memory.longTerm().size();
     const std::string name = std::to_string(id.value);
-    drawing.dot(onGround(place.T_map_place), radius, viridis(static_cast<double>(longTerm) / most),
+    drawing.dot(onGround(place.T_map_place), radius, charts::viridis(static_cast<double>(longTerm) / most),
                 "place " + name + ": " + std::to_string(longTerm) + " long-term, " +
                     std::to_string(place.memory.states.size() - longTerm) + " short-term features, " +
                     std::to_string(place.memory.updates) + " views learnt, made from " + place.createdLabel);
@@ -52,8 +57,8 @@ std::vector<LegendEntry> legendOf(const map::TopologicalMap& map) {
                     [&](const auto& e) { return e.second.type == type; }))
       legend.push_back({map::toString(type), edgeColour(type),
                         !map::isPassage(type) ? LegendKey::kDashed : LegendKey::kLine});
-  legend.push_back({"place: few", viridis(0), LegendKey::kSwatch});
-  legend.push_back({"many long-term features", viridis(1), LegendKey::kSwatch});
+  legend.push_back({"place: few", charts::viridis(0), LegendKey::kSwatch});
+  legend.push_back({"many long-term features", charts::viridis(1), LegendKey::kSwatch});
   return legend;
 }
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "colours.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/image_header.h"
 #include "engram/exporters/exporters.h"
 #include "engram/map/picture.h"
+#include "map_colours.h"
 
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/opengl/CGridPlaneXY.h>
@@ -30,6 +30,7 @@ namespace engram::exporters {
 namespace {
 
 namespace gl = mrpt::opengl;
+using charts::Colour;
 using mrpt::img::TColor;
 using mrpt::img::TColorf;
 
@@ -89,7 +90,7 @@ gl::CRenderizable::Ptr places(const map::TopologicalMap& map, double radius) {
   auto cloud = gl::CPointCloudColoured::Create();
   cloud->setPointSize(8);
   for (const auto& [id, place] : map.places()) {
-    const Colour colour = viridis(static_cast<double>(place.memory.longTerm().size()) / most);
+    const Colour colour = charts::viridis(static_cast<double>(place.memory.longTerm().size()) / most);
     const Eigen::Vector3d t = place.T_map_place.translation();
     if (map.places().size() > kMaxSpheres) {
       cloud->insertPoint({static_cast<float>(t.x()), static_cast<float>(t.y()), static_cast<float>(t.z()),
@@ -146,7 +147,7 @@ std::vector<gl::CRenderizable::Ptr> paths(const map::TopologicalMap& map) {
     if (!lines) {
       lines = gl::CSetOfLines::Create();
       lines->setName("path of session " + std::to_string(to.session));
-      lines->setColor_u8(toMrpt(categoryColour(static_cast<std::size_t>(to.session))));
+      lines->setColor_u8(toMrpt(charts::categoryColour(static_cast<std::size_t>(to.session))));
       lines->setLineWidth(2.0f);
     }
     const Eigen::Vector3d a = map.T_map_robot(from).translation(), b = map.T_map_robot(to).translation();
