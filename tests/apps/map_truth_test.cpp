@@ -18,7 +18,7 @@ TEST(MapTruth, SurveysPlacesThatTheMapStillHas) {
   const types::Frame& frame = testing::firstDrive().frames.front();
   const auto line = [&](double after) { return std::to_string(frame.stamp + after) + " 1 2 0 0 0 0 1\n"; };
   base::writeText(path, line(-0.05) + line(0.05), true);
-  const MapTruth truth(path, {});
+  MapTruth truth(path, {});
   pipeline::Pipeline mapper(testing::tinyParams());
   types::FrameReport report = mapper.process(frame);
   ASSERT_EQ(report.outcome, types::Outcome::kNewPlace);

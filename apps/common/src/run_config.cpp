@@ -61,7 +61,7 @@ bool RunConfig::load(std::ostream& out) {
 
 /// The file by itself: what the command line changes is not the file's fault.
 void RunConfig::requireEffect(base::IniFile file) const {
-  if (!liveSection.empty()) file.take(liveSection);
+  if (!liveSection.empty()) capture::takeLiveConfig(file, liveSection);
   capture::dropSensors(file);
   RunConfig alone;
   base::Config config;
