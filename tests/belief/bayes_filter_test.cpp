@@ -334,8 +334,28 @@ TEST(BayesFilter, RecoversAfterAKidnapping) {
   }
 }
 
-TEST(BayesFilter, DecidesForANewPlaceAndBack) {
+// An image like no other says nothing of a new place: that is left to what is known of the robot's way.
+TEST(BayesFilter, WithoutEvidenceANewPlaceIsAsProbableAsTheWayMakesIt) {
   BayesFilter filter({}, true);
+  filter.reset(200);
+  const auto graph = chain(200);
+  base::Rng rng(3);
+  for (int t = 0; t < 60; ++t) {
+    std::vector<double> s(200);
+    for (double& x : s) x = std::clamp(0.1 + 0.001 * rng.normal(), 0.0, 1.0);
+    filter.predict(graph);
+    filter.update(likelihood(s, graph, filter.params()));
+  }
+  const BeliefParams& p = filter.params();
+  EXPECT_NEAR(filter.posterior().newPlace,
+              p.new_place_prior / (p.new_place_prior + 1 - p.new_place_persistence), 0.2);
+}
+
+TEST(BayesFilter, DecidesForANewPlaceAndBackByTheSensorOfThePaper) {
+  BeliefParams paper;
+  paper.likelihood = "gaussian";
+  paper.new_place_similarity = 0.25;
+  BayesFilter filter(paper, true);
   filter.reset(30);
   const auto graph = chain(30);
   const auto see = [&](double best, std::size_t place) {

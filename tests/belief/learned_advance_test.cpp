@@ -74,6 +74,7 @@ double success(const std::string& advance, const std::function<Walk(std::uint64_
   const auto graph = chain(kPlaces);
   BeliefParams params;
   params.advance = advance;
+  params.likelihood = "gaussian";
   int right = 0, count = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     base::Rng rng(seed);

@@ -133,6 +133,7 @@ TEST(OdometryMotion, EqualsTheDenseSums) {
       filter.predict(a, h);
       dense.predict(h);
       Likelihood l;
+      l.floor = p.floor;
       for (std::size_t i = 0; i < a.size(); ++i) l.places.push_back(rng.uniform(p.floor, 1.0));
       l.places[3] = 1.0;
       ASSERT_TRUE(filter.update(l));

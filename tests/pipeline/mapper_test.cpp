@@ -174,8 +174,8 @@ TEST(Mapper, WeakLinkEndsWhenNormalEdgesJoinItsSides) {
     return std::count_if(mapper.map().edges().begin(), mapper.map().edges().end(), isWeak);
   };
   ASSERT_EQ(weak(), 1);
-  drive(mapper, {frames.begin() + 28, frames.end()});
-  const auto back = drive(mapper, {frames.begin(), frames.begin() + 9});
+  auto back = drive(mapper, {frames.begin() + 28, frames.end()});
+  for (auto& report : drive(mapper, {frames.begin(), frames.begin() + 9})) back.push_back(std::move(report));
   EXPECT_TRUE(std::any_of(back.begin(), back.end(), [](const auto& r) { return r.closure; }));
   EXPECT_EQ(weak(), 0);
   EXPECT_EQ(mapper.map().components().size(), 1u);

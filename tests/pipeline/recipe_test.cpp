@@ -103,6 +103,8 @@ INSTANTIATE_TEST_SUITE_P(
         Inert{"[tree]\nbranching = 8\n", "[tree] branching", "[recognise]\nscorer = vocabulary_tree\n"},
         Inert{"[stereo]\nmin_inliers = 20\n", "[stereo] min_inliers", "[camera]\nstereo = true\n"},
         Inert{"[belief]\nview_sigma_deg = 30\n", "[belief] view_sigma_deg", "[belief]\nadvance = odometry\n"},
+        Inert{"[belief]\nfloor = 0.1\n", "[belief] floor", "[belief]\nlikelihood = gaussian\n"},
+        Inert{"[appearance]\nevidence = 1\n", "[appearance] evidence", "[appearance]\nchannel = hog\n"},
         Inert{"[multi_store]\nstm_states = 2\n", "[multi_store] stm_states",
               "[memory]\nmemory = multi_store\n"},
         Inert{"[posegraph]\nduckett_tolerance = 0.001\n", "[posegraph] duckett_tolerance",
@@ -165,6 +167,10 @@ TEST(Recipe, CombinationsThatNoSystemHasAreRefused) {
   PipelineParams params = engram::testing::tinyParams();
   params.upkeep.upkeep = "lru_views";
   EXPECT_THAT(refusal(params), AllOf(HasSubstr("[upkeep] upkeep = lru_views"), HasSubstr("nodes = views")));
+  params = engram::testing::tinyParams();
+  params.appearance.channel = "hog";
+  params.place.keep_thumbnails = 32;
+  EXPECT_THAT(refusal(params), HasSubstr("keep_thumbnails of 64 or more"));
   params = engram::testing::tinyParams();
   params.mapping.nodes = "views";
   EXPECT_THAT(refusal(params), HasSubstr("both eyes of a stereo camera"));

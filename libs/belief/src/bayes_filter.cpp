@@ -105,7 +105,7 @@ bool BayesFilter::update(const Likelihood& likelihood) {
   double total = 0;
   for (std::size_t k = 0; k < joint.size(); ++k)
     for (std::size_t i = 0; i < n; ++i) {
-      const double evidence = std::max(0.0, likelihood.places[i] - params_.floor);
+      const double evidence = std::max(0.0, likelihood.places[i] - likelihood.floor);
       const double l = likelihood.places[i] + (motion_->visible(k, i) - 1.0) * evidence;
       total += joint[k][i] *= l / largest;
     }

@@ -17,13 +17,19 @@ void BeliefParams::describe(base::Params& p) {
   p.add("new_place_persistence", new_place_persistence, "the same after an image that did", {0, 1});
   p.add("new_place_similarity", new_place_similarity, "similarity that an unknown place would show", {0, 1});
   p.addChoice("likelihood", likelihood,
-              "sensor model: F eq (9) read as a Gaussian of 1 - s or as exp(+s), or A-E11",
-              {"gaussian", "exponential", "angeli"});
+              "sensor model: F eq (9) read as a Gaussian of 1 - s or as exp(+s), A-E11, or how far a place "
+              "stands out of the similarities that the image has with all places",
+              {"gaussian", "exponential", "angeli", "standardised"});
   p.add("sigma_z", sigma_z, "spread of the similarity in F eq (9), (10); 0 takes it from the map", {0, 10});
   p.add("sigma_z_min", sigma_z_min, "lower bound of the spread taken from the map", {1e-4, 10});
   p.add("sum_of_gaussians", sum_of_gaussians, "F eq (10), (11): Gaussians on the peaks of the similarity");
   p.add("peak_sigma", peak_sigma, "sigma_l of F eq (11) [hops]", {0.05, 100});
   p.add("floor", floor, "smallest likelihood, relative to the largest", {1e-12, 1});
+  p.add("evidence", evidence,
+        "likelihood = standardised: weight of one standard deviation of the background [nat]", {0.01, 10});
+  p.add("background", background,
+        "likelihood = standardised: share of the evidence that is spread over all places, however many",
+        {1e-6, 0.5});
   p.add("accept_threshold", accept_threshold, "smallest belief in a neighbourhood that is accepted", {0, 1});
   p.add("accept_hops", accept_hops, "radius of that neighbourhood [hops]", {0, 100});
   p.addChoice("advance", advance,

@@ -9,6 +9,9 @@
 namespace engram::belief {
 namespace {
 
+constexpr double kNormalMad = 1.4826;    // standard deviation of normal deviates over their median distance
+constexpr std::size_t kPriorPlaces = 5;  // what is known of unknown places counts as so many of the map
+
 struct Moments {
   double mean = 0, sigma = 0;
 };
@@ -31,13 +34,72 @@ void check(std::span<const double> similarities, const Adjacency& adjacency) {
     if (!(s >= 0 && s <= 1)) throw std::invalid_argument("likelihood: a similarity is outside [0, 1]");
 }
 
+double largestOf(const Likelihood& l) {
+  return std::max(l.newPlace, l.places.empty() ? 0.0 : *std::max_element(l.places.begin(), l.places.end()));
+}
+
 /// Makes the largest 1 and lifts all by the floor, strictly increasing.
 void normalise(Likelihood& l, double floor) {
-  double largest = l.newPlace;
-  for (const double p : l.places) largest = std::max(largest, p);
+  const double largest = largestOf(l);
   const auto lift = [&](double p) { return largest > 0 ? floor + (1 - floor) * p / largest : 1.0; };
   for (double& p : l.places) p = lift(p);
   l.newPlace = lift(l.newPlace);
+  l.floor = floor;
+}
+
+double medianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+/// Neighbours see much of the same: each value becomes a mean of its place and those around it, by diffusion
+/// along the edges until a peak is so many hops wide. What a place gives to a neighbour it gets from it too,
+/// or the ends of a chain would win.
+std::vector<double> smooth(std::vector<double> values, const Adjacency& adjacency, double sigmaHops) {
+  constexpr double kShare = 0.5;  // that moves at each step: the variance grows by as much [hops^2]
+  const long steps = std::lround(sigmaHops * sigmaHops / kShare);
+  std::vector<double> next(values.size());
+  const auto& near = adjacency.neighbours;
+  for (long step = 0; step < steps; ++step) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      next[i] = values[i];
+      for (const int neighbour : near[i]) {
+        const auto j = static_cast<std::size_t>(neighbour);
+        const auto edges = static_cast<double>(std::max(near[i].size(), near[j].size()));
+        next[i] += kShare / edges * (values[j] - values[i]);
+      }
+    }
+    std::swap(values, next);
+  }
+  return values;
+}
+
+/// Places by how far they stand out; the new place shows the background alone, the mean of exp(evidence * z)
+/// over normal deviates z. `background` is a share of the whole evidence for the places, not of that for
+/// each, so that a lone right place is believed in a map of any size.
+Likelihood standingOut(std::span<const double> similarities, const Adjacency& adjacency,
+                       const BeliefParams& params) {
+  const std::vector<double> z = smooth(standardised(similarities, params), adjacency, params.peak_sigma);
+  Likelihood l;
+  if (z.empty()) return {.places = {}, .newPlace = 1.0};
+  const double logNew = 0.5 * params.evidence * params.evidence;
+  const double top = std::max(logNew, params.evidence * *std::max_element(z.begin(), z.end()));
+  double total = 0;
+  for (const double deviate : z) {
+    l.places.push_back(std::exp(params.evidence * deviate - top));
+    total += l.places.back();
+  }
+  l.newPlace = std::exp(logNew - top);
+  l.floor = params.background / (1 - params.background) * total / static_cast<double>(z.size());
+  for (double& p : l.places) p += l.floor;
+  l.newPlace += l.floor;
+  const double largest = largestOf(l);
+  for (double& p : l.places) p /= largest;
+  l.newPlace /= largest;
+  l.floor /= largest;
+  return l;
 }
 
 /// F eq (9) in logarithms: far from s = 1 the values themselves would underflow.
@@ -94,6 +156,19 @@ Likelihood angeli(std::span<const double> similarities) {
 
 }  // namespace
 
+std::vector<double> standardised(std::span<const double> similarities, const BeliefParams& params) {
+  std::vector<double> background(similarities.begin(), similarities.end());
+  background.resize(background.size() + kPriorPlaces, params.new_place_similarity);
+  const double median = medianOf(background);
+  std::vector<double> deviations;
+  for (const double s : background) deviations.push_back(std::abs(s - median));
+  const double spread =
+      params.sigma_z > 0 ? params.sigma_z : std::max(params.sigma_z_min, kNormalMad * medianOf(deviations));
+  std::vector<double> z;
+  for (const double s : similarities) z.push_back((s - median) / spread);
+  return z;
+}
+
 double similaritySpread(std::span<const double> similarities, const BeliefParams& params) {
   if (params.sigma_z > 0) return params.sigma_z;
   return std::max(params.sigma_z_min, moments(similarities).sigma);
@@ -102,6 +177,7 @@ double similaritySpread(std::span<const double> similarities, const BeliefParams
 Likelihood likelihood(std::span<const double> similarities, const Adjacency& adjacency,
                       const BeliefParams& params) {
   check(similarities, adjacency);
+  if (params.likelihood == "standardised") return standingOut(similarities, adjacency, params);
   const double sigma = similaritySpread(similarities, params);
   Likelihood l;
   if (params.likelihood == "angeli")

@@ -26,7 +26,7 @@ void addRecognition(const Recipe& recipe, const Run& run, Steps& steps) {
   const bool builds = recipe.verify == Verify::kOneOnTerrain;
   auto recogniser = std::make_shared<Recogniser>(
       run.params, builds ? Recogniser::Mode::kMapping : Recogniser::Mode::kLocalisation,
-      run.perception.stereo());
+      run.perception.stereo(), appearance::makeDescriber(run.params.appearance, run.perception.panorama()));
   recogniser->load(run.map);
   steps.recognise = std::make_unique<BeliefStep>(recogniser);
   steps.verify = std::make_unique<OnePlaceStep>(

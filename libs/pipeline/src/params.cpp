@@ -44,6 +44,13 @@ void RecogniseParams::describe(base::Params& p) {
   p.add("reported", reported, "hypotheses in the record of an image, if they are more than the candidates",
         {1, 1000});
   p.add("accept_inliers", accept_inliers, "verified matches that acceptance needs", {4, 10000});
+  p.add("accept_log10_nfa", accept_log10_nfa,
+        "or verified matches, however few, of which unrelated images have as many in one of 10^-x cases",
+        {-1e3, 0});
+  p.add("ambiguity", ambiguity,
+        "a leap through the map is refused when a place far from there has this share of its verified "
+        "matches; 0: never",
+        {0, 1});
   p.add("closure_inliers", closure_inliers, "verified matches that a loop closure needs", {4, 10000});
   p.add("sure_inliers", sure_inliers,
         "verified matches with which the most similar place is accepted while the belief is undecided; 0: "
@@ -128,6 +135,7 @@ void PipelineParams::bind(base::Config& config) {
   config.bind("select", select);
   config.bind("recognise", recognise);
   config.bind("belief", belief);
+  config.bind("appearance", appearance);
   config.bind("place", place);
   config.bind("odometry", odometry);
   config.bind("memory", memory);

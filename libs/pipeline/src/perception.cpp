@@ -166,6 +166,10 @@ std::string Perception::cameraText() const {
          ", image_width = " + std::to_string(params_.image_width);
 }
 
+std::optional<appearance::Panorama> Perception::panorama() const {
+  return rig_ && !stereo_ ? appearance::Panorama::of(*rig_) : std::nullopt;
+}
+
 map::MapHeader Perception::mapHeader(const std::string& memoryModel) const {
   map::MapHeader header;
   header.engramVersion = ENGRAM_VERSION;

@@ -15,7 +15,9 @@ double similarity(int matches, int referenceFeatures) {
 }
 
 bool strongEnough(const PlaceMatch& match, const RecogniseParams& params) {
-  return match.verified() && static_cast<int>(match.matches.size()) >= params.accept_inliers &&
+  if (!match.verified()) return false;
+  if (match.log10Nfa <= params.accept_log10_nfa) return true;
+  return static_cast<int>(match.matches.size()) >= params.accept_inliers &&
          match.similarity >= params.accept_similarity;
 }
 
@@ -65,6 +67,7 @@ PlaceMatch matchToPlace(const types::Features& view, const memory::PlaceMemory& 
 
   PlaceMatch result;
   result.reason = v.reason;
+  result.log10Nfa = v.log10Nfa;
   const Eigen::Isometry3d T_place_view = v.T_a_b.T_a_b.inverse();
   result.R_place_view = T_place_view.linear();
   result.direction_place = T_place_view.translation();

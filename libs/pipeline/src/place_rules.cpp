@@ -59,10 +59,22 @@ std::optional<std::pair<base::PlaceId, double>> nearestByOdometry(const Run& run
 bool agreesWithMotion(const Run& run, base::PlaceId place) {
   const base::PlaceId anchor = run.robot.anchor();
   if (!anchor.valid()) return true;
-  if (!run.robot.metric()) return !isClosure(run, place);
+  if (!run.robot.metric()) {  // it goes on by a place an image at most, as far as anybody knows
+    const int reach = run.params.place.recent_hops + run.robot.imagesSinceAnchor();
+    return run.map.hopDistances(anchor, reach).contains(place);
+  }
   const Eigen::Isometry3d T_map_robot = run.map.place(anchor).T_map_place * run.robot.motion()->T_a_b;
   const double distance = (run.map.place(place).T_map_place.translation() - T_map_robot.translation()).norm();
   return distance <= 2.0 * run.params.place.spacing + run.params.odometry.max_drift * run.robot.sinceAnchor();
+}
+
+std::function<bool(base::PlaceId)> farFrom(const Run& run, base::PlaceId place) {
+  const auto near = run.map.hopDistances(place, run.params.place.recent_hops);
+  const Eigen::Vector3d here = run.map.place(place).T_map_place.translation();
+  const double beside = 2.0 * run.params.place.spacing;
+  return [&run, near, here, beside](base::PlaceId other) {
+    return !near.contains(other) && (run.map.place(other).T_map_place.translation() - here).norm() > beside;
+  };
 }
 
 bool fitsWay(const Run& run, const Link& link) {

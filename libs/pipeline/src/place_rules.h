@@ -4,6 +4,7 @@
 
 #include "steps.h"
 
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -28,6 +29,10 @@ std::optional<std::pair<base::PlaceId, double>> nearestByOdometry(const Run& run
 
 /// Can the robot have come from the anchor to this place? True when nothing is known of its way.
 bool agreesWithMotion(const Run& run, base::PlaceId place);
+
+/// Whether a place is another one than this and those around it, by the graph and by position: two places
+/// that nothing has joined yet may stand side by side.
+std::function<bool(base::PlaceId)> farFrom(const Run& run, base::PlaceId place);
 
 /// Whether a verified view may be of this place: a leap through the map needs as much evidence as a loop
 /// closure.

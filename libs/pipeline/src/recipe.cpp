@@ -63,8 +63,15 @@ const Rule kRules[] = {
     {"recognise", {"closure_similarity"}, views, "with [mapping] nodes = views nothing is believed while mapping"},
     {"belief", {"new_place_prior", "new_place_persistence"}, views,
      "with [mapping] nodes = views nothing is believed while mapping"},
-    {"belief", {"sum_of_gaussians"}, [](const auto& p) { return p.belief.likelihood == "angeli"; },
-     "[belief] likelihood = angeli has a rule of its own"},
+    {"belief", {"sum_of_gaussians"},
+     [](const auto& p) { return p.belief.likelihood == "angeli" || p.belief.likelihood == "standardised"; },
+     "[belief] likelihood = angeli and standardised have rules of their own"},
+    {"belief", {"floor"}, [](const auto& p) { return p.belief.likelihood == "standardised"; },
+     "[belief] likelihood = standardised has background instead"},
+    {"belief", {"evidence", "background"}, [](const auto& p) { return p.belief.likelihood != "standardised"; },
+     "it needs [belief] likelihood = standardised"},
+    {"appearance", {"evidence", "usual_similarity", "least_spread"},
+     [](const auto& p) { return p.appearance.channel == "none"; }, "it needs [appearance] channel = thumbnail or hog"},
     {"belief", {"sigma_z_min"}, [](const auto& p) { return p.belief.sigma_z > 0; },
      "[belief] sigma_z is given"},
     {"belief", {"advance_max", "advance_resolution", "advance_persistence", "advance_forgetting"},
@@ -103,6 +110,15 @@ const Rule kRules[] = {
 };
 // clang-format on
 
+/// Whole images are compared by the thumbnails that the map keeps.
+void requirePictures(const PipelineParams& p) {
+  constexpr int kLeast = 64;  // [px]
+  if (p.appearance.channel != "none" && p.place.keep_thumbnails < kLeast)
+    throw base::ConfigError("[appearance] channel = " + p.appearance.channel +
+                            " needs [place] keep_thumbnails of " + std::to_string(kLeast) +
+                            " or more: it compares the thumbnails of the places");
+}
+
 void requireStereo(const PipelineParams& p) {
   if (!p.camera.stereo)
     throw base::ConfigError(
@@ -127,6 +143,7 @@ void requirePlaces(const PipelineParams& p) {
 std::span<const NamedRecipe> recipes() { return kRecipes; }
 
 const NamedRecipe& recipeOf(const PipelineParams& params) {
+  requirePictures(params);
   views(params) ? requireStereo(params) : requirePlaces(params);
   if (views(params)) return kRecipes[3];
   if (params.recognise.scorer == "tfidf_incremental") return kRecipes[2];

@@ -14,7 +14,7 @@ namespace engram::pipeline {
 Evidence BeliefStep::recognise(Run& run, const Keyframe& image, types::FrameReport& report) {
   const StepTimer timer(report, "recognise");
   const auto excluded = run.robot.frontier() ? run.robot.recent() : std::set<base::PlaceId>{};
-  Evidence evidence{recogniser_->recognise(run.map, image.features, image.travel, excluded)};
+  Evidence evidence{recogniser_->recognise(run.map, image.features, image.travel, excluded, image.picture)};
   if (!evidence.hypotheses.empty()) report.bestGuess = evidence.hypotheses.front().place;
   report.bestGuessInterpolated = recogniser_->interpolatedPeak();
   report.newPlaceProbability = recogniser_->newPlaceProbability();
@@ -42,6 +42,8 @@ Verified OnePlaceStep::verify(Run& run, const Keyframe& image, Evidence evidence
   verified.reason = "no place is probable enough";
   if (!believed(run, image, verified, report) && !similar(run, image, verified, report))
     beside(run, image, verified);
+  else if (isClosure(run, verified.accepted->place))
+    linkAnchor(run, image, verified);
   return verified;
 }
 
@@ -52,28 +54,44 @@ bool OnePlaceStep::believed(Run& run, const Keyframe& image, Verified& verified,
         {hypothesis.place, recogniser_->match(run.map, image.features, hypothesis.place)});
     const Link& link = verified.links.back();
     hypothesis.inliers = static_cast<int>(link.match.matches.size());
-    if (accepts(run, link)) verified.accepted = link;
-    if (verified.accepted) return true;
-    verified.reason = "the geometry does not confirm the most probable place";
+    if (!accepts(run, link)) {
+      verified.reason = "the geometry does not confirm the most probable place";
+      continue;
+    }
+    const Link found = link;
+    if (ambiguous(run, image, found, verified, report)) return false;
+    verified.accepted = found;
+    return true;
   }
   return false;
 }
 
-/// The most similar place, while the belief is undecided: as many matches as K-15 asks need none (K-21).
+/// The best verified of the most similar places, while the belief is undecided: as many matches as K-15 asks
+/// need none (K-21).
 bool OnePlaceStep::similar(Run& run, const Keyframe& image, Verified& verified, types::FrameReport& report) {
   if (run.params.recognise.sure_inliers <= 0) return false;
-  auto best = recogniser_->mostSimilar();
-  if (!best) return false;
-  const PlaceMatch& match = recogniser_->match(run.map, image.features, best->place);
-  best->inliers = static_cast<int>(match.matches.size());
-  noteInliers(report.hypotheses, *best);
-  if (best->inliers < run.params.recognise.sure_inliers) return false;
-  verified.links.push_back({best->place, match});
-  if (!accepts(run, verified.links.back())) return false;
-  verified.accepted = verified.links.back();
+  std::optional<types::Hypothesis> best;
+  for (auto& hypothesis : recogniser_->mostSimilar()) {
+    const PlaceMatch& match = recogniser_->match(run.map, image.features, hypothesis.place);
+    hypothesis.inliers = static_cast<int>(match.matches.size());
+    noteInliers(report.hypotheses, hypothesis);
+    if (match.verified() && hypothesis.inliers > (best ? best->inliers : 0)) best = hypothesis;
+  }
+  if (!best || best->inliers < run.params.recognise.sure_inliers) return false;
+  verified.links.push_back({best->place, recogniser_->match(run.map, image.features, best->place)});
+  const Link found = verified.links.back();
+  if (!accepts(run, found) || ambiguous(run, image, found, verified, report)) return false;
+  verified.accepted = found;
   recogniser_->confirm(best->place);
   report.bestGuess = best->place;
   return true;
+}
+
+/// The graph may refuse a closure: then the image makes a place beside the last one.
+void OnePlaceStep::linkAnchor(Run& run, const Keyframe& image, Verified& verified) {
+  const base::PlaceId anchor = run.robot.anchor();
+  if (run.robot.frontier())
+    verified.links.push_back({anchor, recogniser_->match(run.map, image.features, anchor)});
 }
 
 void OnePlaceStep::beside(Run& run, const Keyframe& image, Verified& verified) {
@@ -91,6 +109,25 @@ void OnePlaceStep::beside(Run& run, const Keyframe& image, Verified& verified) {
 bool OnePlaceStep::accepts(const Run& run, const Link& link) const {
   if (!strongEnough(link.match, run.params.recognise)) return false;
   return fit_ == Fit::kTerrain ? fitsTerrain(run, link) : fitsWay(run, link);
+}
+
+/// Motion has not led the robot there, and the place that looks most like the image among those far from
+/// there passes for it too: which of the two it is, only motion can tell. While mapping, two places that
+/// nothing has joined yet may be one.
+bool OnePlaceStep::ambiguous(Run& run, const Keyframe& image, const Link& link, Verified& verified,
+                             types::FrameReport& report) {
+  const double share = run.params.recognise.ambiguity;
+  if (share <= 0 || (run.robot.anchor().valid() && agreesWithMotion(run, link.place))) return false;
+  auto rival = recogniser_->mostSimilar(farFrom(run, link.place));
+  if (!rival || (fit_ == Fit::kTerrain && !run.joined(link.place, rival->place))) return false;
+  const PlaceMatch& match = recogniser_->match(run.map, image.features, rival->place);
+  rival->inliers = static_cast<int>(match.matches.size());
+  noteInliers(report.hypotheses, *rival);
+  if (!match.verified() || rival->inliers < share * static_cast<double>(link.match.matches.size()))
+    return false;
+  verified.reason = "ambiguous: places " + std::to_string(link.place.value) + " and " +
+                    std::to_string(rival->place.value) + " both explain the image";
+  return true;
 }
 
 Verified AllViewsStep::verify(Run& run, const Keyframe& image, Evidence evidence,

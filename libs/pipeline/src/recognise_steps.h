@@ -31,7 +31,8 @@ class IndexStep final : public RecogniseStep {
 
 /// One place after the other, until one is accepted: what the belief proposes in the order of the posterior
 /// (A-18, A-E13); then what geometry alone may find (K-15, K-21); then, while new ground is covered, the
-/// places just made.
+/// places just made. A leap through the map is not taken while another place explains the image about as
+/// well.
 class OnePlaceStep final : public VerifyStep {
  public:
   /// What an accepted place must agree with beside its own geometry.
@@ -47,7 +48,10 @@ class OnePlaceStep final : public VerifyStep {
   bool believed(Run& run, const Keyframe& image, Verified& verified, types::FrameReport& report);
   bool similar(Run& run, const Keyframe& image, Verified& verified, types::FrameReport& report);
   void beside(Run& run, const Keyframe& image, Verified& verified);
+  void linkAnchor(Run& run, const Keyframe& image, Verified& verified);
   bool accepts(const Run& run, const Link& link) const;
+  bool ambiguous(Run& run, const Keyframe& image, const Link& link, Verified& verified,
+                 types::FrameReport& report);
 
   std::shared_ptr<Recogniser> recogniser_;
   Fit fit_;

@@ -18,9 +18,23 @@ belief::BeliefParams paramsFor(Recogniser::Mode mode, const PipelineParams& para
   return belief;
 }
 
+/// Half of the trust until the two channels are known to agree.
+constexpr double kFirstTrust = 0.5;
+
+belief::BeliefParams wholeImageParams(const PipelineParams& params) {
+  belief::BeliefParams belief = params.belief;
+  belief.likelihood = "standardised";
+  belief.evidence = params.appearance.evidence;
+  belief.new_place_similarity = params.appearance.usual_similarity;
+  belief.sigma_z = 0;
+  belief.sigma_z_min = params.appearance.least_spread;
+  return belief;
+}
+
 }  // namespace
 
-Recogniser::Recogniser(const PipelineParams& params, Mode mode, std::optional<StereoCamera> stereo)
+Recogniser::Recogniser(const PipelineParams& params, Mode mode, std::optional<StereoCamera> stereo,
+                       std::unique_ptr<appearance::Describer> describer)
     : params_(params.recognise),
       matching_(params.match),
       verify_(params.verify),
@@ -29,12 +43,21 @@ Recogniser::Recogniser(const PipelineParams& params, Mode mode, std::optional<St
       scorer_(makeScorer(params)),
       usualSpacing_(params.place.spacing),
       spacing_(params.place.spacing),
-      filter_(paramsFor(mode, params), mode == Mode::kMapping) {
+      filter_(paramsFor(mode, params), mode == Mode::kMapping),
+      byFeatures_(filter_.params(), 1.0),
+      byWhole_(wholeImageParams(params), kFirstTrust) {
+  if (describer) wholeImage_.emplace(std::move(describer));
   filter_.reset(0);
 }
 
+void Recogniser::restart() {
+  filter_.reset(ids_.size());
+  byFeatures_.reset();
+  byWhole_.reset();
+}
+
 void Recogniser::load(const map::TopologicalMap& map) {
-  for (const auto& [id, place] : map.places()) placeChanged(place);
+  for (const auto& [id, place] : map.places()) placeChanged(map, place);
   scorer_->loaded();
   std::set<int> touched;
   for (const auto& [id, edge] : map.edges()) edgeChanged(edge, touched);
@@ -46,7 +69,7 @@ void Recogniser::load(const map::TopologicalMap& map) {
 
 void Recogniser::follow(const map::TopologicalMap& map) {
   const map::MapChanges changes = map.changesSince(read_);
-  for (const auto id : changes.memories) placeChanged(map.place(id));
+  for (const auto id : changes.memories) placeChanged(map, map.place(id));
   std::set<int> touched;
   for (const auto id : changes.removedEdges) edgeRemoved(id, touched);
   for (const auto id : changes.edges) edgeChanged(map.edge(id), touched);
@@ -59,7 +82,7 @@ int Recogniser::indexOf(base::PlaceId id) const {
   return at != ids_.end() && *at == id ? static_cast<int>(at - ids_.begin()) : -1;
 }
 
-void Recogniser::placeChanged(const map::Place& place) {
+void Recogniser::placeChanged(const map::TopologicalMap& map, const map::Place& place) {
   int index = indexOf(place.id);
   if (index < 0) {  // ids only grow
     index = static_cast<int>(ids_.size());
@@ -69,6 +92,7 @@ void Recogniser::placeChanged(const map::Place& place) {
     adjacency_.predecessor.push_back(-1);
     adjacency_.poses.emplace_back();
     filter_.grow(ids_.size(), 0.0);
+    if (wholeImage_) wholeImage_->add(map, place.id, static_cast<std::size_t>(index));
   }
   scorer_->placeChanged(static_cast<std::size_t>(index), place);
 }
@@ -122,13 +146,15 @@ std::vector<double> Recogniser::similarities(const types::Features& view) const 
 std::vector<types::Hypothesis> Recogniser::recognise(const map::TopologicalMap& map,
                                                      const types::Features& view,
                                                      const std::optional<Travel>& travel,
-                                                     const std::set<base::PlaceId>& excluded) {
+                                                     const std::set<base::PlaceId>& excluded,
+                                                     const cv::Mat& picture) {
   follow(map);
   matches_.clear();
   if (ids_.empty()) return {};
   std::vector<double> scores = similarities(view);
   if (params_.verified_scores > 0) scores = verifiedScores(map, view, scores, excluded);
-  return weigh(scores, travel, excluded);
+  const bool looks = wholeImage_ && !picture.empty();
+  return weigh(scores, travel, excluded, looks ? wholeImage_->similarities(picture) : std::vector<double>{});
 }
 
 const PlaceMatch& Recogniser::match(const map::TopologicalMap& map, const types::Features& view,
@@ -155,7 +181,8 @@ std::vector<double> Recogniser::verifiedScores(const map::TopologicalMap& map, c
 
 std::vector<types::Hypothesis> Recogniser::weigh(const std::vector<double>& scores,
                                                  const std::optional<Travel>& travel,
-                                                 const std::set<base::PlaceId>& excluded) {
+                                                 const std::set<base::PlaceId>& excluded,
+                                                 const std::vector<double>& whole) {
   if (ids_.empty()) return {};
   belief::MotionHint hint;
   if (travel) {
@@ -163,7 +190,7 @@ std::vector<types::Hypothesis> Recogniser::weigh(const std::vector<double>& scor
     hint.odometry = belief::OdometryStep{travel->step, travel->heading, spacing_};
   }
   filter_.predict(adjacency_, hint);
-  filter_.update(likelihoodWithout(excluded, scores));
+  update(likelihoodWithout(excluded, scores, byFeatures_), excluded, whole);
 
   lastScores_ = scores;
   for (const auto id : excluded) lastScores_[static_cast<std::size_t>(indexOf(id))] = 0.0;
@@ -174,16 +201,35 @@ std::vector<types::Hypothesis> Recogniser::weigh(const std::vector<double>& scor
   return hypotheses;
 }
 
+/// With both channels each learns how far it is trusted from what they believe together.
+void Recogniser::update(const belief::Likelihood& features, const std::set<base::PlaceId>& excluded,
+                        const std::vector<double>& whole) {
+  filter_.update(features);
+  if (whole.empty()) return;
+  const belief::Likelihood likelihood = likelihoodWithout(excluded, whole, byWhole_);
+  filter_.update(likelihood);
+  byFeatures_.learn(features, filter_.posterior());
+  byWhole_.learn(likelihood, filter_.posterior());
+}
+
 types::Hypothesis Recogniser::hypothesis(std::size_t i) const {
   return {ids_[i], lastScores_[i], filter_.posterior().places[i], -1};
 }
 
-std::optional<types::Hypothesis> Recogniser::mostSimilar() const {
-  if (lastScores_.empty()) return std::nullopt;
-  const auto best = static_cast<std::size_t>(std::max_element(lastScores_.begin(), lastScores_.end()) -
-                                             lastScores_.begin());
-  if (lastScores_[best] <= 0) return std::nullopt;
-  return hypothesis(best);
+std::vector<types::Hypothesis> Recogniser::mostSimilar() const {
+  std::vector<types::Hypothesis> found;
+  for (const std::size_t i : largest(lastScores_, static_cast<std::size_t>(params_.candidates), {}))
+    if (lastScores_[i] > 0) found.push_back(hypothesis(i));
+  return found;
+}
+
+std::optional<types::Hypothesis> Recogniser::mostSimilar(
+    const std::function<bool(base::PlaceId)>& mayBe) const {
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < lastScores_.size(); ++i)
+    if (lastScores_[i] > (best ? lastScores_[*best] : 0.0) && mayBe(ids_[i])) best = i;
+  if (!best) return std::nullopt;
+  return hypothesis(*best);
 }
 
 /// Indices of the largest values, in order; of equal ones the earlier.
@@ -209,15 +255,15 @@ void Recogniser::confirm(base::PlaceId place) {
 /// Places just made look like the image without being the answer: the new-place state stands for them. For
 /// the statistics over the map they count as one more ordinary place.
 belief::Likelihood Recogniser::likelihoodWithout(const std::set<base::PlaceId>& excluded,
-                                                 std::vector<double> scores) const {
+                                                 std::vector<double> scores,
+                                                 const belief::Channel& channel) const {
   double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
   for (const auto id : excluded) sum -= scores[static_cast<std::size_t>(indexOf(id))];
   const auto others = static_cast<double>(scores.size() - excluded.size());
   for (const auto id : excluded)
     scores[static_cast<std::size_t>(indexOf(id))] = others > 0 ? std::clamp(sum / others, 0.0, 1.0) : 0.0;
-  belief::Likelihood result = belief::likelihood(scores, adjacency_, filter_.params());
-  for (const auto id : excluded)
-    result.places[static_cast<std::size_t>(indexOf(id))] = filter_.params().floor;
+  belief::Likelihood result = channel.likelihood(scores, adjacency_);
+  for (const auto id : excluded) result.places[static_cast<std::size_t>(indexOf(id))] = result.floor;
   return result;
 }
 

@@ -27,6 +27,7 @@ class LtmMatchScorer : public Scorer {
   void placeChanged(std::size_t index, const map::Place& place) override {
     const types::Features longTerm = longTermOf(place);
     sizes_.resize(std::max(sizes_.size(), index + 1), 0);
+    total_ += static_cast<int>(longTerm.size()) - sizes_[index];
     sizes_[index] = static_cast<int>(longTerm.size());
     matcher_.set(index, longTerm);
   }
@@ -34,7 +35,7 @@ class LtmMatchScorer : public Scorer {
   std::vector<double> scores(const types::Features& view) const override {
     const std::vector<int> counts = matcher_.ratioMatchCounts(view, match_, threads_);
     std::vector<double> result(sizes_.size());
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = similarity(counts[i], sizes_[i]);
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = similarity(counts[i], reference(i));
     return result;
   }
 
@@ -43,16 +44,23 @@ class LtmMatchScorer : public Scorer {
     std::vector<double> result(places.size());
     base::parallelFor(places.size(), threads_, [&](std::size_t k) {
       const auto matches = matcher_.matches(view, places[k], match_);
-      result[k] = similarity(static_cast<int>(matches.size()), sizes_[places[k]]);
+      result[k] = similarity(static_cast<int>(matches.size()), reference(places[k]));
     });
     return result;
   }
 
  private:
+  /// F eq (8) divides by the size of the memory, and so a place that remembers little wins by accident: it
+  /// counts as one of mean size.
+  int reference(std::size_t place) const {
+    return std::max(sizes_[place], static_cast<int>(total_ / static_cast<std::int64_t>(sizes_.size())));
+  }
+
   features::MatchParams match_;
   int threads_;
   features::PlaceMatcher matcher_;
   std::vector<int> sizes_;
+  std::int64_t total_ = 0;  // of the sizes
 };
 
 class WordScorer : public Scorer {

@@ -21,6 +21,7 @@ std::optional<Travel> Whereabouts::markKeyframe() {
   const auto travel = restarted_ ? std::nullopt : wheels_.travel();
   restarted_ = false;
   sinceAnchor_ += wheels_.distance();
+  ++imagesSinceAnchor_;
   wheels_.markKeyframe();
   return travel;
 }
@@ -37,6 +38,7 @@ void Whereabouts::made(base::PlaceId place, double stamp, const types::Matrix6d&
   anchoredBy_ = {};
   anchorStamp_ = seenStamp_ = stamp;
   sinceAnchor_ = 0;
+  imagesSinceAnchor_ = 0;
   T_anchor_keyframe_ = T_anchor_robot_ = {.cov = cov};
   wheels_.reset(Eigen::Isometry3d::Identity(), cov);
   sinceMade_.reset(Eigen::Isometry3d::Identity(), cov);
@@ -47,6 +49,7 @@ void Whereabouts::backAt(base::PlaceId place, const types::RelPose& T_place_robo
   agreeing_ = agrees ? agreeing_ + 1 : 1;
   anchor_ = place;
   sinceAnchor_ = 0;
+  imagesSinceAnchor_ = 0;
   T_anchor_keyframe_ = T_anchor_robot_ = T_place_robot;
   wheels_.reset(T_place_robot.T_a_b, T_place_robot.cov);
   frontier_ = false;

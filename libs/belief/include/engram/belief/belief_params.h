@@ -20,19 +20,21 @@ struct BeliefParams {
   // The new-place state of SLAM mode.
   double new_place_prior = 0.1;        ///< probability that a step leads to a place not in the map
   double new_place_persistence = 0.9;  ///< probability that the step after it does so again
-  double new_place_similarity = 0.25;  ///< similarity that an unknown place would show
+  double new_place_similarity = 0.1;   ///< similarity that an unknown place would show
 
-  // Sensor, F eq (9) to (11) with the readings of F-E1 and F-E12; A-E11.
-  std::string likelihood = "gaussian";
+  // Sensor: how far a place stands out of all; F eq (9) to (11) with the readings of F-E1 and F-E12; A-E11.
+  std::string likelihood = "standardised";
   double sigma_z = 0.0;          ///< similarity; 0 takes the standard deviation over the map, as the paper
-  double sigma_z_min = 0.05;     ///< lower bound of that
+  double sigma_z_min = 0.02;     ///< lower bound of that
   bool sum_of_gaussians = true;  ///< F eq (10), (11)
   double peak_sigma = 1.0;       ///< [hops] sigma_l of F eq (11)
   double floor = 0.02;           ///< smallest likelihood relative to the largest
+  double evidence = 0.5;         ///< standardised: [nat] a standard deviation of the image's own scores
+  double background = 0.02;      ///< standardised: share of the evidence for the places that is no evidence
 
   // Acceptance, A-18.
   double accept_threshold = 0.8;  ///< on the sum over the neighbourhood (A-19)
-  int accept_hops = 2;            ///< size of that neighbourhood (A-E10: not given)
+  int accept_hops = 4;            ///< size of that neighbourhood (A-E10: not given)
 
   // Advance from image to image: along the chain of places, learnt from the belief itself; or as odometry
   // reports it.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/appearance/describer.h"
 #include "engram/base/config.h"
 #include "engram/belief/bayes_filter.h"
 #include "engram/features/extractor.h"
@@ -51,9 +52,12 @@ struct RecogniseParams {
       0;               ///< best places whose score counts verified matches alone; 0: scores by descriptors
   int candidates = 5;  ///< hypotheses that go to geometric verification, best first
   int reported = 5;    ///< hypotheses that are in the record of an image, best first
-  int accept_inliers = 20;   ///< verified matches that acceptance needs
+  int accept_inliers = 20;       ///< verified matches that acceptance needs
+  double accept_log10_nfa = -5;  ///< or matches that are so unlikely to be an accident
+  double ambiguity =
+      0.8;  ///< a leap is refused when a far place has so many of its verified matches; 0: never
   int closure_inliers = 30;  ///< the same for a loop closure: K-15 saw no false one from 30 on
-  int sure_inliers = 0;  ///< so many verified matches need no belief (K-15, K-21); 0: belief always decides
+  int sure_inliers = 40;  ///< so many verified matches need no belief (K-15, K-21); 0: belief always decides
   double closure_similarity =
       0.35;  ///< new_place_similarity while mapping: what unlike places of a building share
   double accept_similarity = 0.2;  ///< F eq (8) with verified matches that acceptance needs
@@ -120,6 +124,7 @@ struct PipelineParams {
   SelectParams select;
   RecogniseParams recognise;
   belief::BeliefParams belief;
+  appearance::AppearanceParams appearance;
   PlaceParams place;
   OdometryParams odometry;
   memory::MemoryParams memory;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/appearance/panorama.h"
 #include "engram/base/params.h"
 #include "engram/cameras/camera_rig.h"
 #include "engram/cameras/lifting_table.h"
@@ -78,6 +79,9 @@ class Perception {
   const cv::Mat& rectifiedMask() const { return rectifier_->mask(); }
   /// Features of rectified images, with ranges.
   types::Features operator()(const types::StereoPair& pair) const;
+
+  /// How the camera is unwrapped; none for one that does not see all round or is not calibrated.
+  std::optional<appearance::Panorama> panorama() const;
 
   /// What the pairs of the drive so far say of the eyes; none without a stereo camera.
   std::optional<odometry::StereoHealth> eyes() const;

@@ -25,6 +25,7 @@ struct PlaceMatch {
   std::vector<types::Match> matches;  ///< verified; a = feature of the view, b = feature of the memory
   int longTermInliers = 0;            ///< of them, those with long-term features
   double similarity = 0.0;            ///< F eq (8) over verified long-term matches
+  double log10Nfa = 0.0;              ///< of an accident with as many inliers; by two-view geometry alone
   Eigen::Matrix3d R_place_view = Eigen::Matrix3d::Identity();
   Eigen::Vector3d direction_place = Eigen::Vector3d::Zero();  ///< unit vector to the view; zero: no parallax
   std::optional<types::RelPose> T_place_robot;                ///< with scale; by stereo alone

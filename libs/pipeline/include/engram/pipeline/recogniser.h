@@ -3,14 +3,17 @@
 #pragma once
 
 #include "engram/belief/bayes_filter.h"
+#include "engram/belief/channel.h"
 #include "engram/map/topological_map.h"
 #include "engram/pipeline/dead_reckoning.h"
 #include "engram/pipeline/params.h"
 #include "engram/pipeline/place_match.h"
 #include "engram/pipeline/scorer.h"
+#include "engram/pipeline/whole_image.h"
 #include "engram/types/frame_report.h"
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -30,7 +33,9 @@ class Recogniser {
   };
 
   /// @param stereo the camera, when views are held against places by their 3D points
-  Recogniser(const PipelineParams& params, Mode mode, std::optional<StereoCamera> stereo = {});
+  /// @param describer of whole images; null: features alone are evidence
+  Recogniser(const PipelineParams& params, Mode mode, std::optional<StereoCamera> stereo = {},
+             std::unique_ptr<appearance::Describer> describer = {});
 
   /// Takes over a whole map; the belief becomes uniform.
   void load(const map::TopologicalMap& map);
@@ -41,28 +46,34 @@ class Recogniser {
   /// `candidates` or `reported`, whichever is more.
   /// @param map the one that was loaded. @param excluded places that cannot be the answer:
   /// those just made.
-  /// @param travel the motion since the last call; none when unknown
+  /// @param travel the motion since the last call; none when unknown. @param picture the whole image, for the
+  /// channel that looks at it
   std::vector<types::Hypothesis> recognise(const map::TopologicalMap& map, const types::Features& view,
                                            const std::optional<Travel>& travel,
-                                           const std::set<base::PlaceId>& excluded = {});
+                                           const std::set<base::PlaceId>& excluded = {},
+                                           const cv::Mat& picture = {});
 
   /// recognise() in its two halves. The score of each place in the order of its id, by descriptors alone.
   std::vector<double> similarities(const types::Features& view) const;
   /// @param scores one in [0, 1] for each place, in the order of its id; from similarities() or any other
-  /// rule
+  /// rule. @param whole the same by whole images; empty: features alone are evidence
   std::vector<types::Hypothesis> weigh(const std::vector<double>& scores, const std::optional<Travel>& travel,
-                                       const std::set<base::PlaceId>& excluded = {});
+                                       const std::set<base::PlaceId>& excluded = {},
+                                       const std::vector<double>& whole = {});
   /// The last view held against a place; worked out once.
   const PlaceMatch& match(const map::TopologicalMap& map, const types::Features& view, base::PlaceId place);
   /// The same for a view of any time and any memory; not kept.
   PlaceMatch held(const types::Features& view, const memory::PlaceMemory& place) const;
-  /// The place that the last view resembles most, whatever was believed before; none when it resembles none.
-  std::optional<types::Hypothesis> mostSimilar() const;
+  /// The places that the last view resembles most, whatever was believed before; fewer when it resembles no
+  /// more.
+  std::vector<types::Hypothesis> mostSimilar() const;
+  /// The first of them that may be it.
+  std::optional<types::Hypothesis> mostSimilar(const std::function<bool(base::PlaceId)>& mayBe) const;
   /// Geometry alone has found the robot at this place: the belief follows.
   void confirm(base::PlaceId place);
 
-  /// The belief becomes uniform again.
-  void restart() { filter_.reset(ids_.size()); }
+  /// The belief becomes uniform again, and what images before have taught is forgotten.
+  void restart();
 
   double newPlaceProbability() const { return filter_.posterior().newPlace; }
   /// Posterior mass of a place and the places within `accept_hops` edges.
@@ -79,21 +90,23 @@ class Recogniser {
     std::int64_t length = 0;  ///< of that [nm]: whole numbers add up to the same in any order
   };
 
-  void placeChanged(const map::Place& place);
+  void placeChanged(const map::TopologicalMap& map, const map::Place& place);
   void edgeChanged(const map::Edge& edge, std::set<int>& touched);
   void edgeRemoved(base::EdgeId id, std::set<int>& touched);
   void placeMoved(const map::Place& place);
   void count(const Passage& passage, int sign);
   void connect(const map::TopologicalMap& map, int index);
   int indexOf(base::PlaceId id) const;
+  void update(const belief::Likelihood& features, const std::set<base::PlaceId>& excluded,
+              const std::vector<double>& whole);
   types::Hypothesis hypothesis(std::size_t index) const;
   std::vector<std::size_t> largest(const std::vector<double>& values, std::size_t most,
                                    const std::set<base::PlaceId>& excluded) const;
   std::vector<double> verifiedScores(const map::TopologicalMap& map, const types::Features& view,
                                      const std::vector<double>& scores,
                                      const std::set<base::PlaceId>& excluded);
-  belief::Likelihood likelihoodWithout(const std::set<base::PlaceId>& excluded,
-                                       std::vector<double> scores) const;
+  belief::Likelihood likelihoodWithout(const std::set<base::PlaceId>& excluded, std::vector<double> scores,
+                                       const belief::Channel& channel) const;
 
   RecogniseParams params_;
   features::MatchParams matching_;
@@ -105,6 +118,9 @@ class Recogniser {
   double spacing_;                        // mean distance of neighbouring places [m]
   std::int64_t counted_ = 0, steps_ = 0;  // sum [nm] and number of the odometry edges
   belief::BayesFilter filter_;
+  belief::Channel byFeatures_;
+  std::optional<WholeImage> wholeImage_;  // none: features alone are evidence
+  belief::Channel byWhole_;
   belief::Adjacency adjacency_;
   std::vector<double> lastScores_;               // of the last view; 0 for excluded places
   std::map<base::PlaceId, PlaceMatch> matches_;  // of the last view

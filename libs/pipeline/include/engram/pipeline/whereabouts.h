@@ -46,6 +46,8 @@ class Whereabouts {
   bool metric() const { return motion().has_value(); }
   /// Travelled since then by the wheels [m], up to the last keyframe.
   double sinceAnchor() const { return sinceAnchor_; }
+  /// Images taken up since then.
+  int imagesSinceAnchor() const { return imagesSinceAnchor_; }
 
   /// The robot has made a place and is there.
   void made(base::PlaceId place, double stamp, const types::Matrix6d& cov);
@@ -82,7 +84,7 @@ class Whereabouts {
   base::EdgeId anchoredBy_;  // invalid when the anchor rests on no closure
   std::set<base::PlaceId> recent_;
   double anchorStamp_ = 0, sinceAnchor_ = 0;
-  int agreeing_ = 0;
+  int agreeing_ = 0, imagesSinceAnchor_ = 0;
 
   bool lost_ = true;
   types::RelPose T_anchor_keyframe_, T_anchor_robot_;  // by the eyes

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engram/appearance/signature_index.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace engram::appearance {
+
+void SignatureIndex::set(std::size_t place, const Eigen::VectorXf& signature) {
+  if (signature.size() != dim_) throw std::invalid_argument("SignatureIndex: another dimension");
+  if (place >= static_cast<std::size_t>(rows_.rows())) {
+    const auto before = rows_.rows();
+    const auto after = std::max<Eigen::Index>(static_cast<Eigen::Index>(place) + 1, 2 * before);
+    rows_.conservativeResize(after, dim_);
+    rows_.bottomRows(after - before).setZero();
+  }
+  rows_.row(static_cast<Eigen::Index>(place)) = signature.transpose();
+  size_ = std::max(size_, place + 1);
+}
+
+std::vector<double> SignatureIndex::similarities(const Signature& query) const {
+  if (query.rows() != dim_) throw std::invalid_argument("SignatureIndex: another dimension");
+  std::vector<double> result(size_, 0.5);
+  if (size_ == 0) return result;
+  const Eigen::VectorXf best = (rows_.topRows(static_cast<Eigen::Index>(size_)) * query).rowwise().maxCoeff();
+  for (std::size_t i = 0; i < size_; ++i)
+    result[i] = std::clamp(0.5 + 0.5 * static_cast<double>(best[static_cast<Eigen::Index>(i)]), 0.0, 1.0);
+  return result;
+}
+
+}  // namespace engram::appearance

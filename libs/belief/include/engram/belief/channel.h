@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The Engram authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engram/belief/bayes_filter.h"
+#include "engram/belief/likelihood.h"
+
+#include <span>
+
+namespace engram::belief {
+
+/// One kind of evidence among several, and how far it is trusted in this map at this hour: the share of
+/// images for which its likelihood holds, while it says nothing of the others. The share is learnt from image
+/// to image as in online expectation maximisation, from what all channels together came to believe: one that
+/// does not tell the places apart, or tells another story than the others, loses its weight by itself.
+class Channel {
+ public:
+  /// @param params with likelihood = standardised; `background` is the share that is never trusted
+  /// @param trust to begin with
+  Channel(BeliefParams params, double trust);
+
+  Likelihood likelihood(std::span<const double> similarities, const Adjacency& adjacency) const;
+  /// @param given what likelihood() said of this image. @param after the belief that weighed it
+  void learn(const Likelihood& given, const Belief& after);
+
+  /// What was learnt is forgotten.
+  void reset() { trust_ = first_; }
+
+  double trust() const { return trust_; }
+  const BeliefParams& params() const { return params_; }
+
+ private:
+  BeliefParams params_;
+  double first_, trust_;
+};
+
+}  // namespace engram::belief
