@@ -17,10 +17,11 @@ Channel::Channel(BeliefParams params, double trust)
       first_(std::clamp(trust, kLeastTrust, 1.0 - params_.background)),
       trust_(first_) {}
 
-Likelihood Channel::likelihood(std::span<const double> similarities, const Adjacency& adjacency) const {
+Likelihood Channel::likelihood(std::span<const double> similarities, const Adjacency& adjacency,
+                               std::optional<double> newPlace) const {
   BeliefParams params = params_;
   params.background = 1.0 - trust_;
-  return belief::likelihood(similarities, adjacency, params);
+  return belief::likelihood(similarities, adjacency, params, newPlace);
 }
 
 /// Of a likelihood, the floor is the part that the channel does not vouch for.

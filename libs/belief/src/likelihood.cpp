@@ -76,15 +76,33 @@ std::vector<double> smooth(std::vector<double> values, const Adjacency& adjacenc
   return values;
 }
 
-/// Places by how far they stand out; the new place shows the background alone, the mean of exp(evidence * z)
-/// over normal deviates z. `background` is a share of the whole evidence for the places, not of that for
-/// each, so that a lone right place is believed in a map of any size.
+/// Where the similarities of an image that come by chance lie.
+struct Background {
+  double median = 0, spread = 1;
+  double deviates(double similarity) const { return (similarity - median) / spread; }
+};
+
+Background backgroundOf(std::span<const double> similarities, const BeliefParams& params) {
+  std::vector<double> values(similarities.begin(), similarities.end());
+  values.resize(values.size() + kPriorPlaces, params.new_place_similarity);
+  Background background{.median = medianOf(values)};
+  for (double& value : values) value = std::abs(value - background.median);
+  background.spread =
+      params.sigma_z > 0 ? params.sigma_z : std::max(params.sigma_z_min, kNormalMad * medianOf(values));
+  return background;
+}
+
+/// Places by how far they stand out; the new place by its similarity, or it shows the background alone, the
+/// mean of exp(evidence * z) over normal deviates z. `background` is a share of the whole evidence for the
+/// places, not of that for each, so that a lone right place is believed in a map of any size.
 Likelihood standingOut(std::span<const double> similarities, const Adjacency& adjacency,
-                       const BeliefParams& params) {
+                       const BeliefParams& params, std::optional<double> newPlace) {
   const std::vector<double> z = smooth(standardised(similarities, params), adjacency, params.peak_sigma);
   Likelihood l;
   if (z.empty()) return {.places = {}, .newPlace = 1.0};
-  const double logNew = 0.5 * params.evidence * params.evidence;
+  double logNew = 0.5 * params.evidence * params.evidence;
+  if (newPlace)
+    logNew = std::max(logNew, params.evidence * backgroundOf(similarities, params).deviates(*newPlace));
   const double top = std::max(logNew, params.evidence * *std::max_element(z.begin(), z.end()));
   double total = 0;
   for (const double deviate : z) {
@@ -157,15 +175,9 @@ Likelihood angeli(std::span<const double> similarities) {
 }  // namespace
 
 std::vector<double> standardised(std::span<const double> similarities, const BeliefParams& params) {
-  std::vector<double> background(similarities.begin(), similarities.end());
-  background.resize(background.size() + kPriorPlaces, params.new_place_similarity);
-  const double median = medianOf(background);
-  std::vector<double> deviations;
-  for (const double s : background) deviations.push_back(std::abs(s - median));
-  const double spread =
-      params.sigma_z > 0 ? params.sigma_z : std::max(params.sigma_z_min, kNormalMad * medianOf(deviations));
+  const Background background = backgroundOf(similarities, params);
   std::vector<double> z;
-  for (const double s : similarities) z.push_back((s - median) / spread);
+  for (const double s : similarities) z.push_back(background.deviates(s));
   return z;
 }
 
@@ -175,9 +187,9 @@ double similaritySpread(std::span<const double> similarities, const BeliefParams
 }
 
 Likelihood likelihood(std::span<const double> similarities, const Adjacency& adjacency,
-                      const BeliefParams& params) {
+                      const BeliefParams& params, std::optional<double> newPlace) {
   check(similarities, adjacency);
-  if (params.likelihood == "standardised") return standingOut(similarities, adjacency, params);
+  if (params.likelihood == "standardised") return standingOut(similarities, adjacency, params, newPlace);
   const double sigma = similaritySpread(similarities, params);
   Likelihood l;
   if (params.likelihood == "angeli")

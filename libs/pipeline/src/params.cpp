@@ -52,10 +52,11 @@ void RecogniseParams::describe(base::Params& p) {
         "matches; 0: never",
         {0, 1});
   p.add("closure_inliers", closure_inliers, "verified matches that a loop closure needs", {4, 10000});
-  p.add("sure_inliers", sure_inliers,
-        "verified matches with which the most similar place is accepted while the belief is undecided; 0: "
-        "never",
-        {0, 10000});
+  p.add(
+      "sure_inliers", sure_inliers,
+      "verified matches with which the best verified of the most similar places is accepted while the belief "
+      "is undecided; 0: never",
+      {0, 10000});
   p.add("closure_similarity", closure_similarity,
         "while mapping: similarity that different places of one building show; instead of [belief] "
         "new_place_similarity",

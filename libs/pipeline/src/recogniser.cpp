@@ -36,6 +36,7 @@ belief::BeliefParams wholeImageParams(const PipelineParams& params) {
 Recogniser::Recogniser(const PipelineParams& params, Mode mode, std::optional<StereoCamera> stereo,
                        std::unique_ptr<appearance::Describer> describer)
     : params_(params.recognise),
+      mode_(mode),
       matching_(params.match),
       verify_(params.verify),
       stereoVerify_(params.stereo),
@@ -190,7 +191,10 @@ std::vector<types::Hypothesis> Recogniser::weigh(const std::vector<double>& scor
     hint.odometry = belief::OdometryStep{travel->step, travel->heading, spacing_};
   }
   filter_.predict(adjacency_, hint);
-  update(likelihoodWithout(excluded, scores, byFeatures_), excluded, whole);
+  // Odometry tells whether the robot is on new ground; without it the image has to.
+  std::optional<double> newPlace;
+  if (mode_ == Mode::kMapping && !travel) newPlace = params_.closure_similarity;
+  update(likelihoodWithout(excluded, scores, byFeatures_, newPlace), excluded, whole);
 
   lastScores_ = scores;
   for (const auto id : excluded) lastScores_[static_cast<std::size_t>(indexOf(id))] = 0.0;
@@ -255,14 +259,14 @@ void Recogniser::confirm(base::PlaceId place) {
 /// Places just made look like the image without being the answer: the new-place state stands for them. For
 /// the statistics over the map they count as one more ordinary place.
 belief::Likelihood Recogniser::likelihoodWithout(const std::set<base::PlaceId>& excluded,
-                                                 std::vector<double> scores,
-                                                 const belief::Channel& channel) const {
+                                                 std::vector<double> scores, const belief::Channel& channel,
+                                                 std::optional<double> newPlace) const {
   double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
   for (const auto id : excluded) sum -= scores[static_cast<std::size_t>(indexOf(id))];
   const auto others = static_cast<double>(scores.size() - excluded.size());
   for (const auto id : excluded)
     scores[static_cast<std::size_t>(indexOf(id))] = others > 0 ? std::clamp(sum / others, 0.0, 1.0) : 0.0;
-  belief::Likelihood result = channel.likelihood(scores, adjacency_);
+  belief::Likelihood result = channel.likelihood(scores, adjacency_, newPlace);
   for (const auto id : excluded) result.places[static_cast<std::size_t>(indexOf(id))] = result.floor;
   return result;
 }

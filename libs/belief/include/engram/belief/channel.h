@@ -5,6 +5,7 @@
 #include "engram/belief/bayes_filter.h"
 #include "engram/belief/likelihood.h"
 
+#include <optional>
 #include <span>
 
 namespace engram::belief {
@@ -19,7 +20,9 @@ class Channel {
   /// @param trust to begin with
   Channel(BeliefParams params, double trust);
 
-  Likelihood likelihood(std::span<const double> similarities, const Adjacency& adjacency) const;
+  /// @param newPlace as of belief::likelihood()
+  Likelihood likelihood(std::span<const double> similarities, const Adjacency& adjacency,
+                        std::optional<double> newPlace = {}) const;
   /// @param given what likelihood() said of this image. @param after the belief that weighed it
   void learn(const Likelihood& given, const Belief& after);
 

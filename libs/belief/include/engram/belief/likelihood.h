@@ -5,6 +5,7 @@
 #include "engram/belief/adjacency.h"
 #include "engram/belief/belief_params.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,8 +26,10 @@ struct Likelihood {
 /// place, far from all others, with the similarity `new_place_similarity`. `angeli` is A-E11, which has its
 /// own rule for it. `standardised` is ours: see below. Throws std::invalid_argument when a similarity is
 /// outside [0, 1] or their number is not that of the places.
+/// @param newPlace for `standardised`: the similarity with which the new place counts as one more place;
+/// none: it shows the background, and the image says nothing of it
 Likelihood likelihood(std::span<const double> similarities, const Adjacency& adjacency,
-                      const BeliefParams& params);
+                      const BeliefParams& params, std::optional<double> newPlace = {});
 
 /// How far each similarity stands out of those that the image has with all places: its distance from their
 /// median in units of their spread, 1.4826 times the median absolute deviation, but at least sigma_z_min.

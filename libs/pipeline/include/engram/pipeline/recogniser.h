@@ -106,9 +106,11 @@ class Recogniser {
                                      const std::vector<double>& scores,
                                      const std::set<base::PlaceId>& excluded);
   belief::Likelihood likelihoodWithout(const std::set<base::PlaceId>& excluded, std::vector<double> scores,
-                                       const belief::Channel& channel) const;
+                                       const belief::Channel& channel,
+                                       std::optional<double> newPlace = {}) const;
 
   RecogniseParams params_;
+  Mode mode_;
   features::MatchParams matching_;
   geometry::VerifyParams verify_;
   geometry::StereoVerifyParams stereoVerify_;
