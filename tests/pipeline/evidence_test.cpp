@@ -4,6 +4,7 @@
 #include "engram/pipeline/pipeline.h"
 #include "engram/pipeline/whole_image.h"
 #include "tiny_drive.h"
+#include "tiny_map.h"
 
 #include <gmock/gmock.h>
 #include <opencv2/imgproc.hpp>
@@ -14,19 +15,10 @@ namespace engram::pipeline {
 namespace {
 
 using engram::testing::firstDrive;
+using engram::testing::firstMap;
 using engram::testing::secondDrive;
 using engram::testing::tinyParams;
 using types::Outcome;
-
-const map::TopologicalMap& firstMap() {
-  static const map::TopologicalMap map = [] {
-    Pipeline mapper(tinyParams());
-    for (const auto& frame : firstDrive().frames) mapper.process(frame);
-    mapper.finish();
-    return std::move(mapper).release();
-  }();
-  return map;
-}
 
 /// The first map with a second building like it, a hundred metres away, that nothing joins to it.
 map::TopologicalMap twice() {

@@ -5,6 +5,7 @@
 #include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
 #include "tiny_drive.h"
+#include "tiny_map.h"
 
 #include <gmock/gmock.h>
 
@@ -16,6 +17,7 @@ namespace engram::pipeline {
 namespace {
 
 using engram::testing::firstDrive;
+using engram::testing::firstMap;
 using engram::testing::secondDrive;
 using engram::testing::tinyParams;
 using types::Outcome;
@@ -24,16 +26,6 @@ std::string dump(const map::MapContent& content) {
   std::ostringstream out;
   store::dump(out, {}, content, {});
   return out.str();
-}
-
-const map::TopologicalMap& firstMap() {
-  static const map::TopologicalMap map = [] {
-    Pipeline mapper(tinyParams());
-    for (const auto& frame : firstDrive().frames) mapper.process(frame);
-    mapper.finish();
-    return std::move(mapper).release();
-  }();
-  return map;
 }
 
 /// The place made nearest to where frame `index` of the second drive was taken.

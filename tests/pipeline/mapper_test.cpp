@@ -4,6 +4,7 @@
 #include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
 #include "tiny_drive.h"
+#include "tiny_map.h"
 
 #include <gmock/gmock.h>
 
@@ -15,6 +16,7 @@ namespace {
 
 using engram::testing::DriveFrames;
 using engram::testing::firstDrive;
+using engram::testing::firstMap;
 using engram::testing::secondDrive;
 using engram::testing::tinyParams;
 using ::testing::HasSubstr;
@@ -43,15 +45,6 @@ std::vector<types::FrameReport> drive(Pipeline& mapper, const std::vector<types:
 int count(const std::vector<types::FrameReport>& reports, Outcome outcome) {
   return static_cast<int>(
       std::count_if(reports.begin(), reports.end(), [&](const auto& r) { return r.outcome == outcome; }));
-}
-
-const map::TopologicalMap& firstMap() {
-  static const map::TopologicalMap map = [] {
-    Pipeline mapper(tinyParams());
-    drive(mapper, firstDrive().frames);
-    return mapper.map();
-  }();
-  return map;
 }
 
 const Eigen::Isometry3d& truthOf(const map::Place& place) {
