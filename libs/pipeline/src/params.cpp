@@ -58,8 +58,8 @@ void RecogniseParams::describe(base::Params& p) {
       "is undecided; 0: never",
       {0, 10000});
   p.add("closure_similarity", closure_similarity,
-        "while mapping: similarity that different places of one building show; instead of [belief] "
-        "new_place_similarity",
+        "while mapping: similarity that different places of one building show, instead of [belief] "
+        "new_place_similarity; without odometry a new place counts with it",
         {0, 1});
   p.add("accept_similarity", accept_similarity, "similarity over verified matches that acceptance needs",
         {0, 1});

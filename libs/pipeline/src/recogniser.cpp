@@ -10,8 +10,8 @@ namespace engram::pipeline {
 
 namespace {
 
-/// While mapping, views of other places of the same building compete with the new place; in a finished map
-/// the new-place similarity only tells evidence from noise.
+/// While mapping, what places share is known of one building. In a finished map, which may be of any, the
+/// similarity only tells evidence from noise.
 belief::BeliefParams paramsFor(Recogniser::Mode mode, const PipelineParams& params) {
   belief::BeliefParams belief = params.belief;
   if (mode == Recogniser::Mode::kMapping) belief.new_place_similarity = params.recognise.closure_similarity;
