@@ -3,18 +3,31 @@
 #include "engram/base/interrupt.h"
 
 #include <csignal>
+#include <ctime>
 
 namespace engram::base {
 namespace {
 
+constexpr double kSameSignalSeconds = 0.5;
+
 volatile std::sig_atomic_t signalled = 0;
+timespec firstSignal{};  // when `signalled` was set
+
+double secondsSinceFirstSignal() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);  // may be called from a handler (POSIX)
+  return static_cast<double>(now.tv_sec - firstSignal.tv_sec) +
+         1e-9 * static_cast<double>(now.tv_nsec - firstSignal.tv_nsec);
+}
 
 extern "C" void onSignal(int number) {
-  if (signalled) {
+  if (!signalled) {
+    ::clock_gettime(CLOCK_MONOTONIC, &firstSignal);
+    signalled = 1;
+  } else if (secondsSinceFirstSignal() > kSameSignalSeconds) {
     std::signal(number, SIG_DFL);
     std::raise(number);
   }
-  signalled = 1;
 }
 
 extern "C" void onHangUp(int) { signalled = 1; }

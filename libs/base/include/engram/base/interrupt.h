@@ -8,8 +8,9 @@
 namespace engram::base {
 
 /// Makes Ctrl-C, SIGTERM and SIGHUP set a flag instead of ending the process, so that a program can finish
-/// the image at hand, commit and report. A second signal ends it at once; not a second SIGHUP, as a terminal
-/// that closes sends several. What `nohup` ignores stays ignored.
+/// the image at hand, commit and report. A second signal ends it at once, if it comes more than half a second
+/// after the first: `timeout` signals the process and then its group, and means one signal. Never a second
+/// SIGHUP, as a terminal that closes sends several. What `nohup` ignores stays ignored.
 void installInterruptHandler();
 
 /// True once a signal came.
