@@ -180,6 +180,26 @@ TEST(TopologicalMap, ForgottenFeaturesLeaveTheEdges) {
   EXPECT_THAT(m.edge(m.addEdge(late)).correspondences, ElementsAre(Pair(1, 2)));
 }
 
+TEST(TopologicalMap, KeepsTheFirstRangeOfAFeature) {
+  auto m = ringMap(2);
+  m.takeChanges();
+  const std::size_t n = m.place(p(1)).memory.features.size();
+  m.measure(p(1), std::vector<std::pair<int, float>>{{2, 3.5f}, {0, 1.5f}});
+  m.measure(p(1), std::vector<std::pair<int, float>>{{2, 9.0f}});
+  const auto& ranges = m.place(p(1)).memory.features.ranges;
+  ASSERT_EQ(ranges.size(), n);
+  EXPECT_EQ(ranges[0], 1.5f);
+  EXPECT_EQ(ranges[1], 0.0f);
+  EXPECT_EQ(ranges[2], 3.5f);
+  EXPECT_THAT(m.takeChanges().memories, ElementsAre(p(1)));
+  m.measure(p(1), std::vector<std::pair<int, float>>{{0, 2.0f}});
+  EXPECT_TRUE(m.takeChanges().empty());
+  m.checkInvariants();
+  for (const auto& bad : {std::pair{-1, 1.0f}, {static_cast<int>(n), 1.0f}, {0, 0.0f}, {0, -2.0f}})
+    EXPECT_THROW(m.measure(p(0), std::vector<std::pair<int, float>>{bad}), base::Error);
+  EXPECT_THROW(m.measure(p(7), {}), base::Error);
+}
+
 TEST(TopologicalMap, ListsExactlyWhatChanged) {
   auto m = ringMap(3);
   auto changes = m.takeChanges();

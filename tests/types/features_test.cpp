@@ -126,6 +126,19 @@ TEST(Features, AppendTakesTheLayoutOrRefusesAnother) {
   EXPECT_EQ(out.size(), 1u);
 }
 
+TEST(Features, RangesStayParallelWhoeverKnowsThem) {
+  Features ranged = sample(3, false), other = sample(3, false);
+  ranged.ranges = {1, 2, 3};
+  Features out;
+  out.append(other, 0);
+  EXPECT_TRUE(out.ranges.empty());
+  out.append(ranged, 1);
+  EXPECT_EQ(out.ranges, (std::vector<float>{0, 2}));
+  out.append(other, 2);
+  EXPECT_EQ(out.ranges, (std::vector<float>{0, 2, 0}));
+  EXPECT_EQ(out.subset(std::vector<int>{1, 2}).ranges, (std::vector<float>{2, 0}));
+}
+
 TEST(Outcome, HasANameForEachValue) {
   std::set<std::string> names;
   for (const auto outcome :

@@ -5,6 +5,7 @@
 #include "engram/base/error.h"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <set>
 #include <tuple>
@@ -178,6 +179,21 @@ types::MemoryChange TopologicalMap::remember(PlaceId id, const memory::MemoryMod
   journal_.note(Kind::kMemory, id.value);
   dropForgotten(id);
   return change;
+}
+
+void TopologicalMap::measure(PlaceId id, std::span<const std::pair<int, float>> ranges) {
+  types::Features& features = mutablePlace(id).memory.features;
+  bool changed = false;
+  for (const auto& [i, range] : ranges) {
+    if (i < 0 || static_cast<std::size_t>(i) >= features.size() || !(range > 0) || !std::isfinite(range))
+      throw base::Error("a range of place " + std::to_string(id.value) + " is of no feature or no distance");
+    features.ranges.resize(features.size());
+    float& known = features.ranges[static_cast<std::size_t>(i)];
+    if (known > 0) continue;
+    known = range;
+    changed = true;
+  }
+  if (changed) journal_.note(Kind::kMemory, id.value);
 }
 
 void TopologicalMap::dropForgotten(PlaceId id) {

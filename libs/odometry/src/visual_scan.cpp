@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 namespace engram::odometry {
 namespace {
@@ -120,12 +121,14 @@ types::Features makeScan(const types::Features& left, const types::Features& rig
       },
       params.max_distance);
   types::Features scan;
+  std::vector<float> ranges;
   for (const auto& m : matches) {
     const auto& l = left.keypoints[static_cast<std::size_t>(m.a)];
     const auto& r = right.keypoints[static_cast<std::size_t>(m.b)];
     scan.append(left, static_cast<std::size_t>(m.a));
-    scan.ranges.push_back(types::rangeOf({l.x, l.y, static_cast<double>(l.x) - r.x}, model));
+    ranges.push_back(types::rangeOf({l.x, l.y, static_cast<double>(l.x) - r.x}, model));
   }
+  scan.ranges = std::move(ranges);
   return scan;
 }
 

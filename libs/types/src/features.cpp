@@ -62,7 +62,9 @@ void Features::append(const Features& other, std::size_t i) {
   keypoints.push_back(other.keypoints[i]);
   descriptors.append(other.descriptors.row(i));
   if (!other.bearings.empty()) bearings.push_back(other.bearings[i]);
-  if (!other.ranges.empty()) ranges.push_back(other.ranges[i]);
+  if (ranges.empty() && other.ranges.empty()) return;
+  ranges.resize(keypoints.size());
+  if (!other.ranges.empty()) ranges.back() = other.ranges[i];
 }
 
 }  // namespace engram::types

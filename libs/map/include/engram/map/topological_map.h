@@ -57,6 +57,10 @@ class TopologicalMap {
   types::MemoryChange remember(PlaceId id, const memory::MemoryModel& model, const types::Features& view,
                                std::span<const types::Match> matches);
 
+  /// The place keeps how far features are that it did not know of; what it knows stays.
+  /// @param ranges index of the feature, distance [m] > 0
+  void measure(PlaceId id, std::span<const std::pair<int, float>> ranges);
+
   const std::map<PlaceId, Place>& places() const { return content_.places; }
   const std::map<ViewId, View>& views() const { return content_.views; }
   const std::map<EdgeId, Edge>& edges() const { return content_.edges; }

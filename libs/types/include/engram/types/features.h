@@ -73,8 +73,8 @@ struct Features {
   Descriptors descriptors;
   std::vector<Eigen::Vector3f>
       bearings;                 ///< unit rays in the camera frame; empty when no camera model is known
-  std::vector<float> ranges{};  ///< distance of the point from the camera [m], 0 where unknown; empty without
-                                ///< stereo
+  std::vector<float> ranges{};  ///< distance of the point from the camera [m], 0 where unknown; empty where
+                                ///< all are
 
   std::size_t size() const { return keypoints.size(); }
   bool empty() const { return keypoints.empty(); }
