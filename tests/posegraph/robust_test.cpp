@@ -94,6 +94,27 @@ TEST(Robust, LaterEvidenceRemovesAnAlias) {
   }
 }
 
+/// Corridors that look alike give run after run of matches that odometry itself denies. However many they
+/// are, they must not outvote one that it does not deny.
+TEST(Robust, WhatOdometryDeniesHasNoVote) {
+  Drive drive = corridor(120, 2, 3);
+  drive.closures.resize(6);
+  drive.isTrue.assign(6, true);
+  const Constraint known = drive.closures[3];
+  for (std::uint32_t i = 0; i < 20; ++i) {  // half a corridor off, each as the one before
+    Constraint lie = known;
+    lie.a = base::PlaceId(known.a.value + i);
+    lie.b = base::PlaceId(known.b.value + 30 + i);
+    if (!drive.trusted.poses.contains(lie.a) || !drive.trusted.poses.contains(lie.b)) break;
+    drive.closures.push_back(lie);
+    drive.isTrue.push_back(false);
+  }
+  ASSERT_GT(drive.closures.size(), 15u);
+  const auto result = relaxRobustly({}, drive.trusted, drive.closures);
+  EXPECT_EQ(count(drive, result.decisions).falseIn, 0u);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NE(result.decisions[i].reason, ClosureReason::kOutvoted) << i;
+}
+
 /// Closures as they come, each call with the decisions of the last: the same map as with all at once.
 TEST(Robust, OneByOneIsAsGoodAsAllAtOnce) {
   Drive drive = corridor(300, 6, 3);

@@ -16,6 +16,7 @@ constexpr std::uint32_t kLongest = 40;  // places of a group
 constexpr std::size_t kLookBack = 40;   // closures before one that are tried
 constexpr std::size_t kOpponents = 15;  // groups after one, by either end, that it is held against
 constexpr double kHeaviest = 10;        // a long run is one witness more than once, but not without end
+constexpr double kImpossible = 4;       // times the bound of chi-square: odometry alone denies the group
 constexpr double kVagueYaw = 0.3;       // [rad]: beyond, the linear covariance of a chain says nothing
 
 /// A closure as seen from its later end along odometry.
@@ -125,8 +126,14 @@ class Grouper {
     return denied ? Relation::kConflict : agreed ? Relation::kAgreement : Relation::kUnknown;
   }
 
+  /// A group that odometry itself denies is no witness against others.
+  bool possible(const Group& g) const {
+    const auto test = testCycle(tree_, arcs_[g.arcs[g.arcs.size() / 2]].constraint, params_, planar_);
+    return !test || test->sigmaYaw > kVagueYaw || test->chi2 <= kImpossible * bound_;
+  }
+
   void compare(std::size_t i, std::size_t j) {
-    if (!tried_.insert(std::minmax(i, j)).second) return;
+    if (!possible_[i] || !possible_[j] || !tried_.insert(std::minmax(i, j)).second) return;
     const Relation r = relation(groups_[i], groups_[j]);
     if (r == Relation::kConflict) {
       conflicts_[i].push_back(j);
@@ -142,6 +149,7 @@ class Grouper {
   void vote() {
     conflicts_.resize(groups_.size());
     for (std::size_t i = 0; i < groups_.size(); ++i) weights_.push_back(own(i));
+    for (const Group& g : groups_) possible_.push_back(possible(g));
     const auto compareAlong = [&](auto end) {
       std::vector<std::size_t> order(groups_.size());
       for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -168,6 +176,7 @@ class Grouper {
   std::vector<Arc> arcs_;
   std::vector<Group> groups_;
   std::vector<double> weights_;
+  std::vector<char> possible_;
   std::vector<std::vector<std::size_t>> conflicts_;
   std::set<std::pair<std::size_t, std::size_t>> tried_;
   ClosureGroups out_;

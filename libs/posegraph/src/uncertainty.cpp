@@ -142,6 +142,14 @@ std::optional<Test> testCycle(const TrustedTree& tree, const Constraint& first, 
   return testGap(gap, chains.cov, predicted.cov - chains.cov + second.T_a_b.cov, planar);
 }
 
+std::optional<Test> testCycle(const TrustedTree& tree, const Constraint& closure, const GateParams& params,
+                              bool planar) {
+  const auto chain = tree.between(tree.index().index(closure.a), tree.index().index(closure.b));
+  if (!chain) return std::nullopt;
+  const auto gap = logSe3(closure.T_a_b.T_a_b.inverse() * chain->T_a_b);
+  return testGap(gap, params.gate_inflation * params.gate_inflation * chain->cov, closure.T_a_b.cov, planar);
+}
+
 ChainFinder::ChainFinder(const Graph& graph, bool planar)
     : graph_(graph), index_(graph), best_(index_.size(), kNever), via_(index_.size(), kNone) {
   for (const Constraint& c : graph.constraints) variance_.push_back(searchVariance(c, planar));

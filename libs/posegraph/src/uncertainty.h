@@ -45,6 +45,10 @@ class TrustedTree {
 std::optional<Test> testCycle(const TrustedTree& tree, const Constraint& first, const Constraint& second,
                               const GateParams& params, bool planar);
 
+/// The same of the cycle a -> b -> a of one closure and the chain that it closes.
+std::optional<Test> testCycle(const TrustedTree& tree, const Constraint& closure, const GateParams& params,
+                              bool planar);
+
 /// Covariance of the current estimate between two places, along the most certain chain.
 class ChainFinder {
  public:
