@@ -133,6 +133,17 @@ TEST_F(Laps, ALieIsRefusedAndChangesNothing) {
   EXPECT_NEAR(error(), before, 0.01);
 }
 
+TEST_F(Laps, CountsWhatJoinsTwoPlacesRefusedOrNot) {
+  EXPECT_EQ(book_.count(p(130), p(10)), 0);
+  book_.propose(map_, closure(130, 10));
+  book_.apply(map_);
+  book_.propose(map_, closure(10, 130));
+  book_.apply(map_);
+  EXPECT_EQ(book_.count(p(130), p(10)), 2);
+  EXPECT_EQ(book_.count(p(10), p(130)), 2);
+  EXPECT_EQ(book_.count(p(130), p(11)), 0);
+}
+
 TEST_F(Laps, ALieThatIsInTheMapIsDeniedByTheTruth) {
   map::Edge lie = closure(kLap + 10, 30);
   lie.id = map_.addEdge(lie);

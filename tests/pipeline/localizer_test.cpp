@@ -4,12 +4,14 @@
 #include "engram/base/error.h"
 #include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
+#include "engram/types/se3.h"
 #include "tiny_drive.h"
 #include "tiny_map.h"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <vector>
 
@@ -69,6 +71,62 @@ TEST(Localizer, AnswersAreRightAndTheFrozenMapStays) {
   EXPECT_GE(right, accepted * 95 / 100);
   EXPECT_EQ(dump(localizer.map().content()), before);
   EXPECT_TRUE(localizer.map().changesSince(read).empty());
+}
+
+/// Motion from where the report says that the robot is to where it is, by simulator ground truth: translation
+/// [m], rotation vector [rad].
+types::Vector6d poseError(const types::FrameReport& report) {
+  const map::Place& place = firstMap().place(report.pose->place);
+  const auto& T_world_place = firstDrive().T_world_robot[static_cast<std::size_t>(place.createdIndex)];
+  return types::logSe3((T_world_place * report.pose->T_place_robot.T_a_b).inverse() *
+                       secondDrive().T_world_robot[static_cast<std::size_t>(report.index)]);
+}
+
+/// One camera and wheels, in places that know how far their features are.
+TEST(Localizer, PoseIsMetricAndKnowsHowGoodItIs) {
+  Pipeline localizer(tinyParams(), firstMap(), Use::kFrozen);
+  std::vector<double> distance, heading;
+  double nees = 0;
+  for (const auto& frame : secondDrive().frames) {
+    const types::FrameReport report = localizer.process(frame);
+    if (report.outcome != Outcome::kRecognised) continue;
+    ASSERT_TRUE(report.pose);
+    const types::Vector6d off = poseError(report);
+    distance.push_back(off.head<2>().norm());
+    heading.push_back(std::abs(off[5]));
+    const Eigen::Vector3d flat(off[0], off[1], off[5]);
+    const std::vector<int> plane{0, 1, 5};
+    const Eigen::Matrix3d cov = report.pose->T_place_robot.cov(plane, plane);
+    nees += flat.dot(cov.inverse() * flat) / 3;
+  }
+  const auto median = [](std::vector<double> v) {
+    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+    return v[v.size() / 2];
+  };
+  ASSERT_GT(distance.size(), 20u);
+  EXPECT_LT(median(distance), 0.08);
+  EXPECT_LT(median(heading), 0.026);
+  EXPECT_LT(*std::max_element(distance.begin(), distance.end()), 0.4);
+  EXPECT_LT(nees / static_cast<double>(distance.size()), 3);
+}
+
+/// One image that contradicts odometry is doubted, two that agree are believed.
+TEST(Localizer, ARobotThatWasCarriedFindsItself) {
+  Pipeline localizer(tinyParams(), firstMap(), Use::kFrozen);
+  auto frames = secondDrive().frames;
+  const std::size_t carried = frames.size() / 2;
+  for (std::size_t i = carried; i < frames.size(); ++i)
+    frames[i].T_odom_robot = Eigen::Translation3d(1.5, -1, 0) * *frames[i].T_odom_robot;
+  std::size_t lost = 0;
+  double last = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const types::FrameReport report = localizer.process(frames[i]);
+    if (!report.pose || i < carried) continue;
+    last = poseError(report).head<2>().norm();
+    lost += last > 0.5;
+  }
+  EXPECT_LE(lost, 6u);
+  EXPECT_LT(last, 0.2);
 }
 
 TEST(Localizer, AdaptingChangesMemoriesAlone) {

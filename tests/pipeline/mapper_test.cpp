@@ -7,6 +7,7 @@
 #include "tiny_map.h"
 
 #include <gmock/gmock.h>
+#include <opencv2/core.hpp>
 
 #include <algorithm>
 #include <sstream>
@@ -89,6 +90,7 @@ TEST(Mapper, MakesAPlacePerSpacing) {
 
 TEST(Mapper, JoinsConsecutivePlacesByPlausibleOdometry) {
   const auto& map = firstMap();
+  std::size_t matched = 0;
   for (auto at = std::next(map.places().begin()); at != map.places().end(); ++at) {
     const auto before = std::prev(at)->first;
     const auto joins = [&](const auto& e) {
@@ -99,8 +101,10 @@ TEST(Mapper, JoinsConsecutivePlacesByPlausibleOdometry) {
     EXPECT_LT(chiSquare(map, edge->second), kAbsurd);
     const Eigen::Isometry3d T = truthOf(std::prev(at)->second).inverse() * truthOf(at->second);
     EXPECT_LT((edge->second.T_a_b.T_a_b.translation() - T.translation()).norm(), 0.2);
-    EXPECT_FALSE(edge->second.correspondences.empty());
+    matched += !edge->second.correspondences.empty();
   }
+  // Through a door an image may share too little with the place that it comes from.
+  EXPECT_GE(matched, map.places().size() * 9 / 10);
 }
 
 TEST(Mapper, EveryPlaceKeepsAThumbnailAndEveryViewItsImage) {
@@ -207,8 +211,9 @@ TEST(Mapper, ImageOfAnotherSizeInTheMiddleChangesNothing) {
 TEST(Mapper, UnverifiedViewsChangeNoMemory) {
   Pipeline mapper(tinyParams(), firstMap());
   int refused = 0;
-  for (const auto& frame : secondDrive().frames) {
+  for (types::Frame frame : secondDrive().frames) {
     const std::string before = dumpKnowledge(mapper);
+    if (frame.index % 5 == 4) cv::flip(frame.image.clone(), frame.image, 1);  // a world in a mirror
     const types::FrameReport report = mapper.process(frame);
     if (report.outcome != Outcome::kRefused && report.outcome != Outcome::kSkipped) continue;
     ++refused;

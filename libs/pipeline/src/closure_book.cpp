@@ -4,6 +4,8 @@
 
 #include "engram/map/graph.h"
 
+#include <algorithm>
+
 namespace engram::pipeline {
 namespace {
 
@@ -18,6 +20,12 @@ posegraph::ClosureDecision agreed() { return {true, posegraph::ClosureReason::kA
 void ClosureBook::load(const map::TopologicalMap& map) {
   for (const auto& [id, edge] : map.edges())
     if (isClosure(edge.type)) enter(edge);
+}
+
+int ClosureBook::count(base::PlaceId a, base::PlaceId b) const {
+  return static_cast<int>(std::count_if(entries_.begin(), entries_.end(), [&](const Entry& e) {
+    return std::minmax(e.edge.a, e.edge.b) == std::minmax(a, b);
+  }));
 }
 
 void ClosureBook::enter(const map::Edge& edge) {

@@ -166,6 +166,10 @@ std::string Perception::cameraText() const {
          ", image_width = " + std::to_string(params_.image_width);
 }
 
+Eigen::Vector3d Perception::eye() const {
+  return rig_ ? Eigen::Vector3d(rig_->T_robot_cam.translation()) : Eigen::Vector3d::Zero();
+}
+
 std::optional<appearance::Panorama> Perception::panorama() const {
   return rig_ && !stereo_ ? appearance::Panorama::of(*rig_) : std::nullopt;
 }

@@ -32,6 +32,13 @@ types::FrameReport recordOf(const types::Frame& frame) {
   return report;
 }
 
+std::optional<types::RobotPose> poseOf(const Run& run) {
+  const base::PlaceId place = run.robot.anchor();
+  const auto motion = run.robot.motion();
+  if (!motion) return std::nullopt;
+  return types::RobotPose{place, *motion, run.map.place(place).T_map_place * motion->T_a_b};
+}
+
 Seen given(const types::Frame& frame, types::Features features, types::FrameReport& report) {
   report.features = static_cast<int>(features.size());
   return {frame, std::move(features), {}};
@@ -68,6 +75,7 @@ types::FrameReport Pipeline::process(const types::Frame& frame, std::optional<ty
   const Relation relation = steps_->relate->relate(run, *image, verified, decision, node, report);
   if (steps_->forget) steps_->forget->forget(run, relation, report);
   if (steps_->relax) steps_->relax->relax(run, relation, report);
+  report.pose = poseOf(run);
   return report;
 }
 

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "place_rules.h"
 
+#include "engram/pipeline/place_fix.h"
 #include "engram/types/se3.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace engram::pipeline {
 namespace {
@@ -41,9 +43,23 @@ bool isClosure(const Run& run, base::PlaceId place) {
   return anchor.valid() && !run.map.hopDistances(anchor, run.params.place.recent_hops).contains(place);
 }
 
+Eigen::Isometry3d T_map_robot(const Run& run) {
+  return run.map.place(run.robot.anchor()).T_map_place * run.robot.motion()->T_a_b;
+}
+
 Eigen::Isometry3d T_place_robot(const Run& run, base::PlaceId place) {
-  return run.map.place(place).T_map_place.inverse() * run.map.place(run.robot.anchor()).T_map_place *
-         run.robot.motion()->T_a_b;
+  return run.map.place(place).T_map_place.inverse() * T_map_robot(run);
+}
+
+types::RelPose expectedAt(const Run& run, base::PlaceId place) {
+  const base::PlaceId anchor = run.robot.anchor();
+  types::RelPose between;
+  between.T_a_b = run.map.place(place).T_map_place.inverse() * run.map.place(anchor).T_map_place;
+  const auto& odometry = run.params.odometry;
+  const double root = std::sqrt(between.T_a_b.translation().norm());
+  const double sigma = odometry.sigma_per_metre * root;
+  between.cov = planarCovariance(sigma, sigma, odometry.sigma_heading_per_metre * root, odometry.sigma_floor);
+  return types::compose(between, *run.robot.motion());
 }
 
 std::optional<std::pair<base::PlaceId, double>> nearestByOdometry(const Run& run) {
@@ -63,9 +79,22 @@ bool agreesWithMotion(const Run& run, base::PlaceId place) {
     const int reach = run.params.place.recent_hops + run.robot.imagesSinceAnchor();
     return run.map.hopDistances(anchor, reach).contains(place);
   }
-  const Eigen::Isometry3d T_map_robot = run.map.place(anchor).T_map_place * run.robot.motion()->T_a_b;
-  const double distance = (run.map.place(place).T_map_place.translation() - T_map_robot.translation()).norm();
+  const Eigen::Vector3d here = T_map_robot(run).translation();
+  const double distance = (run.map.place(place).T_map_place.translation() - here).norm();
   return distance <= 2.0 * run.params.place.spacing + run.params.odometry.max_drift * run.robot.sinceAnchor();
+}
+
+Agreement withOdometry(const Run& run, const Link& link) {
+  const bool expects = run.robot.metric() && run.robot.sinceKeyframe().known() && !isClosure(run, link.place);
+  if (!expects || link.match.T_place_robot || !link.match.verified()) return Agreement::kUnknown;
+  const bool fits = agrees(link.match, expectedAt(run, link.place), run.perception.eye());
+  return fits ? Agreement::kAgrees : Agreement::kContradicts;
+}
+
+bool callsOdometryWrong(const Run& run, const Link& link) {
+  const int sure = run.params.recognise.sure_inliers;
+  return sure > 0 && link.match.length && static_cast<int>(link.match.matches.size()) >= sure &&
+         withOdometry(run, link) == Agreement::kContradicts;
 }
 
 std::function<bool(base::PlaceId)> farFrom(const Run& run, base::PlaceId place) {
@@ -82,19 +111,26 @@ bool fitsWay(const Run& run, const Link& link) {
          static_cast<int>(link.match.matches.size()) >= run.params.recognise.closure_inliers;
 }
 
-bool fitsTerrain(const Run& run, const Link& link) {
+int closureInliers(Run& run, const Link& link) {
+  const bool judged = link.match.length && run.robot.metric() && run.joined(run.robot.anchor(), link.place);
+  return judged ? run.params.recognise.accept_inliers : run.params.recognise.closure_inliers;
+}
+
+bool fitsTerrain(Run& run, const Link& link) {
   if (!run.robot.anchor().valid()) return true;
   const bool closes = isClosure(run, link.place);
-  if (closes && static_cast<int>(link.match.matches.size()) < run.params.recognise.closure_inliers)
-    return false;
+  if (closes && static_cast<int>(link.match.matches.size()) < closureInliers(run, link)) return false;
   if (!run.robot.metric())
     return !isRecent(run, link.place) || link.match.similarity >= run.params.place.same_similarity;
-  return closes || T_place_robot(run, link.place).translation().norm() < spacingHere(run);
+  if (closes || callsOdometryWrong(run, link)) return true;
+  const double distance = run.robot.frontier() ? T_place_robot(run, link.place).translation().norm()
+                                               : nearestByOdometry(run)->second;
+  return distance < spacingHere(run);
 }
 
 types::RelPose motionFrom(const Run& run, base::PlaceId from, std::span<const Link> links) {
-  for (const auto& [id, match] : links)
-    if (const auto seen = measured(run, match); id == from && seen) return *seen;
+  for (const Link& link : links)
+    if (const auto seen = measured(run, link.match); link.place == from && seen) return *seen;
   const base::PlaceId anchor = run.robot.anchor();
   if (from == anchor)
     if (const auto motion = run.robot.motion()) return *motion;
@@ -102,22 +138,22 @@ types::RelPose motionFrom(const Run& run, base::PlaceId from, std::span<const Li
   types::RelPose guess;
   guess.T_a_b.translation().x() = anchor.valid() ? spacing : 0.0;
   guess.cov = planarCovariance(spacing, spacing, 1.0, run.params.odometry.sigma_floor);
-  for (const auto& [id, match] : links)
-    if (id == from && match.verified())
-      guess.T_a_b = withRotation(match.R_place_view, spacing * match.direction_place);
+  for (const Link& link : links)
+    if (link.place == from && link.match.verified())
+      guess.T_a_b = withRotation(link.match.R_place_view, spacing * link.match.direction_place);
   return guess;
 }
 
 types::RelPose atPlace(const Run& run, const Link& link) {
   if (const auto seen = measured(run, link.match)) return *seen;
   const double extent = 0.5 * run.params.place.spacing;
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
-  if (run.robot.metric() && !isClosure(run, link.place)) {
-    offset = T_place_robot(run, link.place).translation();
-    offset *= std::min(1.0, extent / std::max(1e-9, offset.norm()));
-  }
-  return {.T_a_b = withRotation(link.match.R_place_view, offset),
-          .cov = planarCovariance(extent, extent, 0.05, run.params.odometry.sigma_floor)};
+  const types::RelPose near{.T_a_b = withRotation(link.match.R_place_view, Eigen::Vector3d::Zero()),
+                            .cov = planarCovariance(extent, extent, 0.05, run.params.odometry.sigma_floor)};
+  if (!run.robot.sinceKeyframe().known()) return near;
+  const Eigen::Vector3d eye = run.perception.eye();
+  if (run.robot.metric() && !isClosure(run, link.place) && !link.overrules)
+    return correctedBy(link.match, expectedAt(run, link.place), eye);
+  return measuredBy(link.match, eye).value_or(correctedBy(link.match, near, eye));
 }
 
 map::Edge closureTo(const Run& run, const Link& link, std::span<const Link> links) {
@@ -127,6 +163,15 @@ map::Edge closureTo(const Run& run, const Link& link, std::span<const Link> link
   edge.b = link.place;
   edge.T_a_b = types::compose(motionFrom(run, edge.a, links), types::inverse(atPlace(run, link)));
   return edge;
+}
+
+map::Edge closureBetween(const Run& run, base::PlaceId place, const types::RelPose& T_place_robot,
+                         const Link& link) {
+  const bool oneDrive = run.map.place(place).session == run.map.place(link.place).session;
+  return {.type = oneDrive ? map::EdgeType::kLoop : map::EdgeType::kRecognition,
+          .a = place,
+          .b = link.place,
+          .T_a_b = types::compose(T_place_robot, types::inverse(atPlace(run, link)))};
 }
 
 map::EdgeType closureType(const Run& run, base::PlaceId to) {

@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "place_steps.h"
 
+#include "engram/pipeline/place_fix.h"
+#include "engram/types/se3.h"
 #include "place_rules.h"
 #include "step_timer.h"
 #include "thumbnail.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace engram::pipeline {
@@ -17,16 +22,21 @@ const types::Matrix6d kCertain = types::Matrix6d::Identity() * 1e-12;
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
+/// Where a fresh memory keeps a feature of its view: it numbers them as they come, without those that it
+/// found to be duplicates. -1 for those.
+int indexInFresh(const memory::PlaceMemory& memory, int featureOfView) {
+  const auto id = static_cast<std::uint32_t>(featureOfView);
+  const auto at =
+      std::find_if(memory.states.begin(), memory.states.end(), [id](const auto& s) { return s.id == id; });
+  return at == memory.states.end() ? -1 : static_cast<int>(at - memory.states.begin());
+}
+
 Pairs correspondences(const Run& run, const PlaceMatch& match, base::PlaceId a, base::PlaceId b) {
   const auto& statesA = run.map.place(a).memory.states;
-  const auto& statesB = run.map.place(b).memory.states;
   Pairs pairs;
-  for (const auto& m : match.matches) {
-    // A fresh memory numbers its features as they come in the view, without those it found to be duplicates.
-    const auto id = static_cast<std::uint32_t>(m.a);
-    const bool kept = std::any_of(statesB.begin(), statesB.end(), [id](const auto& s) { return s.id == id; });
-    if (kept) pairs.emplace_back(statesA[static_cast<std::size_t>(m.b)].id, id);
-  }
+  for (const auto& m : match.matches)
+    if (indexInFresh(run.map.place(b).memory, m.a) >= 0)
+      pairs.emplace_back(statesA[static_cast<std::size_t>(m.b)].id, static_cast<std::uint32_t>(m.a));
   return pairs;
 }
 
@@ -34,15 +44,81 @@ std::unique_ptr<memory::MemoryModel> modelOf(const PipelineParams& params) {
   return memory::makeMemoryModel(params.memory, params.fsh, params.multi_store);
 }
 
+/// A way is long enough to tell how far points are when its length is known to this share of it.
+constexpr double kSharpWay = 0.15;
+constexpr double kShortestWay = 0.15;    // [m]
+constexpr double kRangeParallax = 0.05;  // [rad] between the rays of a point whose range is kept
+
+// Drives hold to the map by edges over this many spacings, between poses known so well [m], when they differ
+// from the map by less than that [m], [rad], and not by more than so many at a place: months of drives must
+// not make the graph grow.
+constexpr double kHoldSpacings = 5, kHoldSigma = 0.15, kHoldGap = 0.5, kHoldTurn = 0.15;
+constexpr std::ptrdiff_t kMostHolds = 12;
+
+Eigen::Isometry3d cameraSeenFrom(const Run& run, const Link& link, const types::RelPose& T_place_robot) {
+  const Eigen::Vector3d eye = run.perception.eye();
+  Eigen::Isometry3d T_place_view = T_place_robot.T_a_b;
+  T_place_view.linear() = link.match.R_place_view;
+  T_place_view.translation() += T_place_robot.T_a_b.linear() * eye - eye;
+  return T_place_view;
+}
+
+bool isSharp(const types::RelPose& way) {
+  const double length = way.T_a_b.translation().norm();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(way.cov.topLeftCorner<3, 3>());
+  return length > kShortestWay && std::sqrt(axes.eigenvalues()[2]) < kSharpWay * length;
+}
+
+/// The points that a view and a place see from the two ends of a way that is known well enough.
+std::vector<Landmark> landmarks(const Run& run, const types::Features& view, const Link& link,
+                                const types::RelPose& T_place_robot) {
+  const types::Features& place = run.map.place(link.place).memory.features;
+  if (view.bearings.empty() || place.bearings.empty() || !isSharp(T_place_robot)) return {};
+  return triangulated(view, place, link.match.matches, cameraSeenFrom(run, link, T_place_robot),
+                      kRangeParallax);
+}
+
+void measure(Run& run, base::PlaceId place, std::span<const Landmark> points) {
+  std::vector<std::pair<int, float>> ranges;
+  for (const Landmark& p : points) ranges.emplace_back(p.match.b, static_cast<float>(p.fromPlace));
+  run.map.measure(place, ranges);
+}
+
+/// A new place and those around the anchor that its view matches tell each other how far their features are.
+void measureWith(Run& run, const types::Features& view, const Verified& verified, base::PlaceId made) {
+  if (!run.robot.metric()) return;
+  for (const Link& link : verified.links) {
+    if (!link.match.verified() || isClosure(run, link.place)) continue;
+    const auto points = landmarks(run, view, link, expectedAt(run, link.place));
+    measure(run, link.place, points);
+    std::vector<std::pair<int, float>> ranges;
+    for (const Landmark& p : points)
+      if (const int i = indexInFresh(run.map.place(made).memory, p.match.a); i >= 0)
+        ranges.emplace_back(i, static_cast<float>(p.fromView));
+    run.map.measure(made, ranges);
+  }
+}
+
+/// The place learns from a view that it matches.
+types::MemoryChange teach(Run& run, const memory::MemoryModel& memory, const Lesson& lesson,
+                          const PlaceMatch& match) {
+  const auto T_place_view = cameraSeenFrom(run, {lesson.place, match}, lesson.T_place_robot);
+  const types::Features& known = run.map.place(lesson.place).memory.features;
+  return run.map.remember(lesson.place, memory, inPlaceFrame(lesson.view, T_place_view, known, match.matches),
+                          match.matches);
+}
+
 /// Edges and poses follow the judgement over all closures. A robot whose anchor rested on one that is denied
 /// goes back to what the wheels say since the place it made last.
-void applyJudgement(Run& run, types::FrameReport& report) {
+/// @param rests the robot is where the proposed closure says
+void applyJudgement(Run& run, bool rests, types::FrameReport& report) {
   const ClosureBook::Changes changes = run.closures.apply(run.map);
-  report.closure = changes.proposed.valid();
-  report.closuresDropped = static_cast<int>(changes.dropped.size());
-  report.closuresRestored = changes.restored;
+  const bool entered = changes.proposed.valid();
+  report.closure = report.closure || (rests && entered);
+  report.closuresDropped += static_cast<int>(changes.dropped.size());
+  report.closuresRestored += changes.restored + (!rests && entered);
   run.robot.deny(changes.dropped);
-  if (changes.proposed.valid()) run.robot.restOn(changes.proposed);
+  if (rests && changes.proposed.valid()) run.robot.restOn(changes.proposed);
   map::dropJoinedWeakEdges(run.map, run.parts);
 }
 
@@ -85,12 +161,18 @@ Decision PlaceDecide::decide(Run& run, const Keyframe&, const Verified& verified
   if (decision.known && isClosure(run, decision.known->place) && run.robot.metric())
     judge(run, verified, decision, report);
   if (decision.known) {
+    decision.T_known_robot = atPlace(run, *decision.known);
+    judgeEchoes(run, verified.echoes, decision.known->place, decision.T_known_robot, report);
     report.outcome = types::Outcome::kRecognised;
     report.place = decision.known->place;
     misses_ = 0;
     return decision;
   }
-  decision.makesNode = isNew(run, report);
+  if (verified.doubtful) run.robot.doubt();
+  if (const auto motion = run.robot.motion())
+    judgeEchoes(run, verified.echoes, run.robot.anchor(), *motion, report);
+  const bool knownGround = run.robot.anchor().valid() && !run.robot.frontier();
+  decision.makesNode = isNew(run, report) && !(verified.doubtful && knownGround);
   report.outcome = decision.makesNode ? types::Outcome::kNewPlace : types::Outcome::kRefused;
   if (decision.makesNode) {
     report.reason.clear();
@@ -102,12 +184,20 @@ Decision PlaceDecide::decide(Run& run, const Keyframe&, const Verified& verified
 void PlaceDecide::judge(Run& run, const Verified& verified, Decision& decision,
                         types::FrameReport& report) const {
   const auto judged = run.closures.propose(run.map, closureTo(run, *decision.known, verified.links));
-  applyJudgement(run, report);
+  applyJudgement(run, true, report);
   decision.judged = true;
   if (judged.accepted) return;
   report.reason = "the graph refuses the closure to place " + std::to_string(decision.known->place.value) +
                   ": " + posegraph::toString(judged.reason);
   decision.known.reset();
+}
+
+void PlaceDecide::judgeEchoes(Run& run, std::span<const Link> echoes, base::PlaceId here,
+                              const types::RelPose& T_here_robot, types::FrameReport& report) const {
+  for (const Link& echo : echoes) {
+    run.closures.propose(run.map, closureBetween(run, here, T_here_robot, echo));
+    applyJudgement(run, false, report);
+  }
 }
 
 bool PlaceDecide::isNew(const Run& run, types::FrameReport& report) {
@@ -131,8 +221,12 @@ Decision KnownDecide::decide(Run& run, const Keyframe&, const Verified& verified
   Decision decision{.known = verified.accepted};
   report.outcome = decision.known ? types::Outcome::kRecognised : types::Outcome::kRefused;
   report.reason = decision.known ? "" : verified.reason;
-  if (!decision.known) return decision;
+  if (!decision.known) {
+    if (verified.doubtful) run.robot.doubt();
+    return decision;
+  }
   report.place = decision.known->place;
+  decision.T_known_robot = atPlace(run, *decision.known);
   decision.agrees = run.robot.anchor().valid() && agreesWithMotion(run, report.place);
   return decision;
 }
@@ -144,12 +238,13 @@ base::PlaceId PlaceRemember::remember(Run& run, const Keyframe& image, const Ver
   if (!decision.known && !decision.makesNode) return {};
   const StepTimer timer(report, "remember");
   if (decision.makesNode) return newPlace(run, image, verified, report);
-  const auto& [id, match] = *decision.known;
+  const base::PlaceId id = decision.known->place;
+  const PlaceMatch& match = decision.known->match;
+  measure(run, id, landmarks(run, image.features, *decision.known, decision.T_known_robot));
   gate_.accepted(id);
   if (gate_.open()) {
     report.learnt = {id};
-    report.memory =
-        run.map.remember(id, *memory_, inPlaceFrame(image.features, match.R_place_view), match.matches);
+    report.memory = teach(run, *memory_, {id, image.features, decision.T_known_robot}, match);
     gate_.learnt();
   }
   addView(run, image, id, 0);
@@ -168,6 +263,7 @@ base::PlaceId PlaceRemember::newPlace(Run& run, const Keyframe& image, const Ver
   report.memory.longTerm = static_cast<int>(memory.longTerm().size());
   report.memory.shortTerm = report.memory.added - report.memory.longTerm;
   report.place = addNode(run, image, T_map_place, std::move(memory));
+  measureWith(run, image.features, verified, report.place);
   report.learnt = {report.place};
   gate_.accepted(report.place);
   gate_.learnt();
@@ -193,7 +289,7 @@ base::PlaceId LaterRemember::remember(Run& run, const Keyframe& image, const Ver
   const int agreeing = decision.agrees ? run.robot.agreeing() + 1 : 1;
   if (!decision.known || agreeing < run.params.recognise.learn_after || !gate_.open()) return {};
   if (run.robot.sinceKeyframe().known() && sinceLearning_ < run.params.select.min_distance) return {};
-  lessons_.push_back({decision.known->place, image.features});
+  lessons_.push_back({decision.known->place, image.features, decision.T_known_robot});
   sinceLearning_ = 0.0;
   gate_.learnt();
   return {};
@@ -217,8 +313,7 @@ void LaterRemember::learn(Run& run, const Lesson& lesson, types::FrameReport& re
   const PlaceMatch match =
       heldAgainst(lesson.view, run.map.place(lesson.place).memory, run.params, run.perception.stereo());
   if (!strongEnough(match, run.params.recognise)) return;
-  report.memory +=
-      run.map.remember(lesson.place, *memory_, inPlaceFrame(lesson.view, match.R_place_view), match.matches);
+  report.memory += teach(run, *memory_, lesson, match);
   report.learnt.push_back(lesson.place);
 }
 
@@ -257,8 +352,9 @@ void PlaceRelate::joinNew(Run& run, const Verified& verified, base::PlaceId node
   edge.a = cameFrom(run, node);
   if (!edge.a.valid()) return;
   edge.T_a_b = motionFrom(run, edge.a, verified.links);
-  for (const auto& [id, match] : verified.links)
-    if (id == edge.a && match.verified()) edge.correspondences = correspondences(run, match, edge.a, edge.b);
+  for (const Link& link : verified.links)
+    if (link.place == edge.a && link.match.verified())
+      edge.correspondences = correspondences(run, link.match, edge.a, edge.b);
   if (rests) edge.type = closureType(run, edge.a);
   edge.id = run.map.addEdge(edge);
   if (!rests) return;
@@ -279,25 +375,49 @@ bool PlaceRelate::joinKnown(Run& run, const Verified& verified, const Decision& 
   const Link& link = *decision.known;
   const bool recent = run.robot.frontier() && run.robot.recent().contains(link.place);
   if (recent && run.robot.metric()) return false;  // odometry since the anchor is better than the extent
-  const types::RelPose T_place_robot = atPlace(run, link);
   const bool unjudged = !decision.judged && isClosure(run, link.place);
   if (unjudged) {
     run.map.addEdge(closureTo(run, link, verified.links));
     map::dropJoinedWeakEdges(run.map, run.parts);
     report.closure = true;
   }
-  run.robot.backAt(link.place, T_place_robot);
+  run.robot.backAt(link.place, decision.T_known_robot);
+  holdToMap(run, link);
   return unjudged;
+}
+
+/// What the wheels count between two places that measured where the robot is, some metres apart, is as good
+/// as what they counted when the map was made: each drive adds it, and the map gets better.
+void PlaceRelate::holdToMap(Run& run, const Link& link) const {
+  const auto measured = measuredBy(link.match, run.perception.eye());
+  if (!measured || link.overrules || measured->cov(0, 0) > kHoldSigma * kHoldSigma ||
+      measured->cov(1, 1) > kHoldSigma * kHoldSigma)
+    return;
+  const base::PlaceId from = run.robot.marked();
+  if (from.valid() && run.robot.sinceMark().anchored()) {
+    const types::RelPose& way = run.robot.sinceMark().anchorToRobot();
+    if (way.T_a_b.translation().norm() < kHoldSpacings * run.params.place.spacing) return;
+    const map::Edge edge{.type = map::EdgeType::kDeadReckoning,
+                         .a = from,
+                         .b = link.place,
+                         .T_a_b = types::compose(way, types::inverse(*measured))};
+    const Eigen::Isometry3d now =
+        run.map.place(from).T_map_place.inverse() * run.map.place(link.place).T_map_place;
+    const types::Vector6d gap = types::logSe3(edge.T_a_b.T_a_b.inverse() * now);
+    const bool agrees = gap.head<3>().norm() < kHoldGap && gap.tail<3>().norm() < kHoldTurn;
+    const auto around = run.map.neighbours(from);
+    const auto held = std::count_if(around.begin(), around.end(), [](const map::Neighbour& n) {
+      return n.type == map::EdgeType::kDeadReckoning;
+    });
+    if (agrees && held < kMostHolds) run.map.addEdge(edge);
+  }
+  run.robot.mark(link.place, *measured);
 }
 
 Relation FollowRelate::relate(Run& run, const Keyframe&, const Verified&, const Decision& decision,
                               base::PlaceId, types::FrameReport&) {
   if (!decision.known) return {};
-  const auto& [place, match] = *decision.known;
-  const double extent = run.params.place.spacing;
-  const types::RelPose near{.T_a_b = Eigen::Isometry3d(match.R_place_view),
-                            .cov = planarCovariance(extent, extent, 0.05, run.params.odometry.sigma_floor)};
-  run.robot.backAt(place, match.T_place_robot.value_or(near), decision.agrees);
+  run.robot.backAt(decision.known->place, decision.T_known_robot, decision.agrees);
   return {};
 }
 

@@ -11,6 +11,13 @@ namespace engram::pipeline {
 
 // Maps of places that remember.
 
+/// A view that a place is to learn.
+struct Lesson {
+  base::PlaceId place;
+  types::Features view;
+  types::RelPose T_place_robot;  ///< where it was taken
+};
+
 /// Recognised, new, or refused. A loop closure enters only if the graph does not deny it.
 class PlaceDecide final : public DecideStep {
  public:
@@ -19,6 +26,8 @@ class PlaceDecide final : public DecideStep {
 
  private:
   void judge(Run& run, const Verified& verified, Decision& decision, types::FrameReport& report) const;
+  void judgeEchoes(Run& run, std::span<const Link> echoes, base::PlaceId here,
+                   const types::RelPose& T_here_robot, types::FrameReport& report) const;
   bool isNew(const Run& run, types::FrameReport& report);
 
   int misses_ = 0;  // unrecognised images in a row in known territory
@@ -69,11 +78,6 @@ class LaterRemember final : public RememberStep {
   void restart() override { gate_.restart(); }
 
  private:
-  /// A view that a place is to learn.
-  struct Lesson {
-    base::PlaceId place;
-    types::Features view;
-  };
   void learnDistant(Run& run, base::PlaceId here, types::FrameReport& report);
   void learn(Run& run, const Lesson& lesson, types::FrameReport& report) const;
 
@@ -92,6 +96,7 @@ class PlaceRelate final : public RelateStep {
 
  private:
   void joinNew(Run& run, const Verified& verified, base::PlaceId node) const;
+  void holdToMap(Run& run, const Link& link) const;
   bool joinKnown(Run& run, const Verified& verified, const Decision& decision,
                  types::FrameReport& report) const;
 };

@@ -3,13 +3,25 @@
 #include "recognise_steps.h"
 
 #include "engram/base/parallel.h"
+#include "engram/pipeline/place_fix.h"
 #include "place_rules.h"
 #include "step_timer.h"
 #include "view_rules.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace engram::pipeline {
+namespace {
+
+/// Matches of one thing are less spread than this share of all features of the view.
+constexpr double kOneThing = 0.5;
+/// Places looked at beside the one where the robot is.
+constexpr std::size_t kEchoes = 3;
+constexpr double kLandingTurn = 0.15;  // [rad] between where two images put the robot
+
+}  // namespace
 
 Evidence BeliefStep::recognise(Run& run, const Keyframe& image, types::FrameReport& report) {
   const StepTimer timer(report, "recognise");
@@ -40,11 +52,32 @@ Verified OnePlaceStep::verify(Run& run, const Keyframe& image, Evidence evidence
   report.hypotheses = std::move(evidence.hypotheses);
   Verified verified;
   verified.reason = "no place is probable enough";
-  if (!believed(run, image, verified, report) && !similar(run, image, verified, report))
+  if (!expected(run, image, verified, report) && !believed(run, image, verified, report) &&
+      !similar(run, image, verified, report))
     beside(run, image, verified);
   else if (isClosure(run, verified.accepted->place))
     linkAnchor(run, image, verified);
+  if (fit_ == Fit::kTerrain) findEchoes(run, image, verified);
   return verified;
+}
+
+/// In known ground the place where odometry puts the robot is asked first: another one that looks like the
+/// image may show it from afar, and measures the pose the worse.
+bool OnePlaceStep::expected(Run& run, const Keyframe& image, Verified& verified, types::FrameReport& report) {
+  if (run.robot.frontier()) return false;
+  const auto nearest = nearestByOdometry(run);
+  if (!nearest || nearest->second >= spacingHere(run)) return false;
+  Link link{nearest->first, recogniser_->match(run.map, image.features, nearest->first)};
+  if (withOdometry(run, link) != Agreement::kAgrees || !strongEnough(link.match, run.params.recognise))
+    return false;
+  if (!accepts(run, link, verified)) return false;
+  verified.links.push_back(link);
+  verified.accepted = link;
+  if (run.map.hopDistances(link.place, 1).contains(report.bestGuess)) return true;
+  recogniser_->confirm(link.place);
+  report.bestGuess = link.place;
+  report.bestGuessInterpolated = -1;
+  return true;
 }
 
 bool OnePlaceStep::believed(Run& run, const Keyframe& image, Verified& verified, types::FrameReport& report) {
@@ -52,13 +85,12 @@ bool OnePlaceStep::believed(Run& run, const Keyframe& image, Verified& verified,
     if (recogniser_->neighbourhoodMass(hypothesis.place) < run.params.belief.accept_threshold) continue;
     verified.links.push_back(
         {hypothesis.place, recogniser_->match(run.map, image.features, hypothesis.place)});
-    const Link& link = verified.links.back();
-    hypothesis.inliers = static_cast<int>(link.match.matches.size());
-    if (!accepts(run, link)) {
+    Link found = verified.links.back();
+    hypothesis.inliers = static_cast<int>(found.match.matches.size());
+    if (!accepts(run, found, verified)) {
       verified.reason = "the geometry does not confirm the most probable place";
       continue;
     }
-    const Link found = link;
     if (ambiguous(run, image, found, verified, report)) return false;
     verified.accepted = found;
     return true;
@@ -79,8 +111,8 @@ bool OnePlaceStep::similar(Run& run, const Keyframe& image, Verified& verified, 
   }
   if (!best || best->inliers < run.params.recognise.sure_inliers) return false;
   verified.links.push_back({best->place, recogniser_->match(run.map, image.features, best->place)});
-  const Link found = verified.links.back();
-  if (!accepts(run, found) || ambiguous(run, image, found, verified, report)) return false;
+  Link found = verified.links.back();
+  if (!accepts(run, found, verified) || ambiguous(run, image, found, verified, report)) return false;
   verified.accepted = found;
   recogniser_->confirm(best->place);
   report.bestGuess = best->place;
@@ -94,21 +126,82 @@ void OnePlaceStep::linkAnchor(Run& run, const Keyframe& image, Verified& verifie
     verified.links.push_back({anchor, recogniser_->match(run.map, image.features, anchor)});
 }
 
+/// The belief that knows where the robot is asks for no other place: nothing would ever close a loop that the
+/// map has missed once. And one that is not sure yet lets witnesses pass that the graph could use.
+void OnePlaceStep::findEchoes(Run& run, const Keyframe& image, Verified& verified) {
+  if (!run.robot.metric()) return;
+  const base::PlaceId here = verified.accepted ? verified.accepted->place : run.robot.anchor();
+  if (isClosure(run, here)) return;
+  const auto& params = run.params.recognise;
+  const auto near = run.map.hopDistances(here, run.params.place.recent_hops);
+  const auto others = recogniser_->mostSimilar(kEchoes, [&](base::PlaceId id) { return !near.contains(id); });
+  for (const types::Hypothesis& other : others) {
+    if (other.similarity < params.closure_similarity) break;
+    if (run.closures.count(here, other.place) >= run.params.posegraph.gate.gate_support) continue;
+    if (!run.joined(here, other.place)) continue;
+    const PlaceMatch& match = recogniser_->match(run.map, image.features, other.place);
+    const Link echo{other.place, match};
+    const bool strong = static_cast<int>(match.matches.size()) >= closureInliers(run, echo);
+    if (strong && match.length && match.spread >= kOneThing && strongEnough(match, params))
+      verified.echoes.push_back(echo);
+  }
+}
+
+/// Where odometry puts the robot is asked last, whatever the belief says; on new ground the place just made,
+/// too, which a new one is joined to.
 void OnePlaceStep::beside(Run& run, const Keyframe& image, Verified& verified) {
   const base::PlaceId anchor = run.robot.anchor();
-  if (!run.robot.frontier() || !anchor.valid()) return;
   const auto nearest = nearestByOdometry(run);
+  if (!anchor.valid() || (!run.robot.frontier() && !nearest)) return;
   const base::PlaceId near = nearest ? nearest->first : anchor;
   verified.links.push_back({near, recogniser_->match(run.map, image.features, near)});
-  if (accepts(run, verified.links.back()))
-    verified.accepted = verified.links.back();
-  else if (near != anchor)
+  Link found = verified.links.back();
+  if (accepts(run, found, verified))
+    verified.accepted = found;
+  else if (near != anchor && run.robot.frontier())
     verified.links.push_back({anchor, recogniser_->match(run.map, image.features, anchor)});
 }
 
-bool OnePlaceStep::accepts(const Run& run, const Link& link) const {
-  if (!strongEnough(link.match, run.params.recognise)) return false;
-  return fit_ == Fit::kTerrain ? fitsTerrain(run, link) : fitsWay(run, link);
+/// The way that odometry expects is evidence, too: a view that agrees with it needs less of its own, and one
+/// that contradicts it needs as much as a loop closure, or another that says the same. Without it, matches
+/// that lie together in the view may be those of one thing that was carried elsewhere.
+bool OnePlaceStep::accepts(Run& run, Link& link, Verified& verified) {
+  if (!link.match.verified()) return false;
+  const Agreement agreement = withOdometry(run, link);
+  const auto& params = run.params.recognise;
+  if (agreement == Agreement::kUnknown && link.match.spread < kOneThing) return false;
+  if (agreement != Agreement::kAgrees && !strongEnough(link.match, params)) return false;
+  if (agreement == Agreement::kAgrees) contradictions_.clear();
+  if (agreement == Agreement::kContradicts) {
+    const auto measured = measuredBy(link.match, run.perception.eye());
+    link.overrules =
+        measured && contradictions_.agree(run.map.place(link.place).T_map_place * measured->T_a_b,
+                                          T_map_robot(run), 0.5 * run.params.place.spacing);
+    if (link.overrules) return true;
+    verified.doubtful = true;
+    if (static_cast<int>(link.match.matches.size()) < params.closure_inliers) return false;
+  }
+  return fit_ == Fit::kWay ? fitsWay(run, link) : fitsTerrain(run, link) && mayJoin(run, link);
+}
+
+bool Landings::agree(const Eigen::Isometry3d& T_map_robot, const Eigen::Isometry3d& T_own_robot,
+                     double within) {
+  const auto before = std::exchange(last_, std::pair{T_map_robot, T_own_robot});
+  if (!before) return false;
+  const Eigen::Isometry3d way = before->second.inverse() * T_own_robot;
+  const Eigen::Isometry3d gap = (before->first * way).inverse() * T_map_robot;
+  return gap.translation().norm() < within &&
+         std::abs(Eigen::AngleAxisd(gap.linear()).angle()) < kLandingTurn;
+}
+
+/// Nothing can deny the closure that joins two parts of a map, and all that is mapped hangs on it. Where
+/// places know how far their features are it takes two images whose poses agree with the way between them.
+bool OnePlaceStep::mayJoin(Run& run, const Link& link) {
+  if (!run.robot.metric() || run.joined(run.robot.anchor(), link.place)) return true;
+  const auto measured = measuredBy(link.match, run.perception.eye());
+  if (!measured) return run.map.place(link.place).memory.features.ranges.empty();
+  return joins_.agree(run.map.place(link.place).T_map_place * measured->T_a_b, T_map_robot(run),
+                      0.5 * run.params.place.spacing);
 }
 
 /// Motion has not led the robot there, and the place that looks most like the image among those far from
@@ -118,15 +211,17 @@ bool OnePlaceStep::ambiguous(Run& run, const Keyframe& image, const Link& link, 
                              types::FrameReport& report) {
   const double share = run.params.recognise.ambiguity;
   if (share <= 0 || (run.robot.anchor().valid() && agreesWithMotion(run, link.place))) return false;
-  auto rival = recogniser_->mostSimilar(farFrom(run, link.place));
-  if (!rival || (fit_ == Fit::kTerrain && !run.joined(link.place, rival->place))) return false;
-  const PlaceMatch& match = recogniser_->match(run.map, image.features, rival->place);
-  rival->inliers = static_cast<int>(match.matches.size());
-  noteInliers(report.hypotheses, *rival);
-  if (!match.verified() || rival->inliers < share * static_cast<double>(link.match.matches.size()))
+  auto rivals = recogniser_->mostSimilar(1, farFrom(run, link.place));
+  if (rivals.empty()) return false;
+  types::Hypothesis& rival = rivals.front();
+  if (fit_ == Fit::kTerrain && !run.joined(link.place, rival.place)) return false;
+  const PlaceMatch& match = recogniser_->match(run.map, image.features, rival.place);
+  rival.inliers = static_cast<int>(match.matches.size());
+  noteInliers(report.hypotheses, rival);
+  if (!match.verified() || rival.inliers < share * static_cast<double>(link.match.matches.size()))
     return false;
   verified.reason = "ambiguous: places " + std::to_string(link.place.value) + " and " +
-                    std::to_string(rival->place.value) + " both explain the image";
+                    std::to_string(rival.place.value) + " both explain the image";
   return true;
 }
 

@@ -227,13 +227,14 @@ std::vector<types::Hypothesis> Recogniser::mostSimilar() const {
   return found;
 }
 
-std::optional<types::Hypothesis> Recogniser::mostSimilar(
-    const std::function<bool(base::PlaceId)>& mayBe) const {
-  std::optional<std::size_t> best;
+std::vector<types::Hypothesis> Recogniser::mostSimilar(
+    std::size_t most, const std::function<bool(base::PlaceId)>& mayBe) const {
+  std::set<base::PlaceId> excluded;
   for (std::size_t i = 0; i < lastScores_.size(); ++i)
-    if (lastScores_[i] > (best ? lastScores_[*best] : 0.0) && mayBe(ids_[i])) best = i;
-  if (!best) return std::nullopt;
-  return hypothesis(*best);
+    if (!(lastScores_[i] > 0) || !mayBe(ids_[i])) excluded.insert(ids_[i]);
+  std::vector<types::Hypothesis> found;
+  for (const std::size_t i : largest(lastScores_, most, excluded)) found.push_back(hypothesis(i));
+  return found;
 }
 
 /// Indices of the largest values, in order; of equal ones the earlier.

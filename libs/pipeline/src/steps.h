@@ -67,6 +67,7 @@ struct Evidence {
 struct Link {
   base::PlaceId place;
   PlaceMatch match;
+  bool overrules = false;  ///< two images agree against odometry on where the robot is
 };
 
 /// Verify: what geometry says of the places that the image was held against.
@@ -75,14 +76,19 @@ struct Verified {
   std::vector<Link> links;
   std::optional<Link> accepted;  ///< the place where the robot is, when one suffices
   std::string reason;            ///< why none was accepted, in words, where verification knows
+  bool doubtful = false;         ///< a place was not accepted because odometry contradicts it alone
+  /// Places that the graph has no short way to and that the image shows beside the accepted one, or while
+  /// none is: the same ground, perhaps, that the robot once came to by another way. The graph judges them.
+  std::vector<Link> echoes;
 };
 
 /// Decide: known, new, or neither.
 struct Decision {
   bool makesNode = false;
   std::optional<Link> known{};
-  bool agrees = true;   ///< the known place with the way since the last one
-  bool judged = false;  ///< the closure that it means was judged: the map has followed
+  types::RelPose T_known_robot{};  ///< where the robot is, seen from it
+  bool agrees = true;              ///< the known place with the way since the last one
+  bool judged = false;             ///< the closure that it means was judged: the map has followed
 };
 
 /// Relate: the edges that are new.

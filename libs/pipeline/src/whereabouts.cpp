@@ -9,6 +9,7 @@ namespace engram::pipeline {
 void Whereabouts::turn(const std::optional<Eigen::Isometry3d>& T_odom_robot) {
   wheels_.move(T_odom_robot);
   sinceMade_.move(T_odom_robot);
+  sinceMark_.move(T_odom_robot);
 }
 
 void Whereabouts::see(const types::RelPose& T_anchor_robot, double stamp, bool keyframe) {
@@ -56,6 +57,11 @@ void Whereabouts::backAt(base::PlaceId place, const types::RelPose& T_place_robo
   recent_.clear();
 }
 
+void Whereabouts::mark(base::PlaceId place, const types::RelPose& T_place_robot) {
+  marked_ = place;
+  sinceMark_.reset(T_place_robot.T_a_b, T_place_robot.cov);
+}
+
 void Whereabouts::inherit(base::PlaceId heir, const types::RelPose& T_heir_robot) {
   anchor_ = heir;
   T_anchor_keyframe_ = T_anchor_robot_ = T_heir_robot;
@@ -63,7 +69,7 @@ void Whereabouts::inherit(base::PlaceId heir, const types::RelPose& T_heir_robot
 }
 
 void Whereabouts::restart() {
-  anchor_ = {};
+  anchor_ = marked_ = {};
   agreeing_ = 0;
   restarted_ = true;
 }

@@ -19,6 +19,8 @@ class ClosureBook {
   /// The closures that a map holds already count as accepted.
   void load(const map::TopologicalMap& map);
   bool empty() const { return entries_.empty(); }
+  /// How many join these two places, in whichever direction.
+  int count(base::PlaceId a, base::PlaceId b) const;
 
   /// Enters an edge that the map holds already and that no measurement speaks against yet.
   void enter(const map::Edge& edge);

@@ -28,6 +28,8 @@ class DeadReckoning {
 
   /// The robot is now at T_anchor_robot from the anchor, with this covariance.
   void reset(const Eigen::Isometry3d& T_anchor_robot, const types::Matrix6d& cov);
+  /// Something speaks against where the robot is: twice the deviations.
+  void doubt() { T_anchor_robot_.cov *= 4; }
   /// Whether there is odometry now and was at reset(): anchorToRobot() is the whole motion then.
   bool anchored() const { return present_ && presentAtAnchor_; }
   const types::RelPose& anchorToRobot() const { return T_anchor_robot_; }

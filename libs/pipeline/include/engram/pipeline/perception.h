@@ -80,6 +80,9 @@ class Perception {
   /// Features of rectified images, with ranges.
   types::Features operator()(const types::StereoPair& pair) const;
 
+  /// Where the camera is on the robot, in the robot's frame [m]; at its origin when it is not calibrated.
+  Eigen::Vector3d eye() const;
+
   /// How the camera is unwrapped; none for one that does not see all round or is not calibrated.
   std::optional<appearance::Panorama> panorama() const;
 

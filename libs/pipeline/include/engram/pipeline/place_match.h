@@ -6,6 +6,7 @@
 #include "engram/geometry/stereo_verify.h"
 #include "engram/geometry/verify.h"
 #include "engram/memory/place_memory.h"
+#include "engram/pipeline/landmarks.h"
 #include "engram/pipeline/params.h"
 #include "engram/types/frame_report.h"
 #include "engram/types/match.h"
@@ -28,7 +29,14 @@ struct PlaceMatch {
   double log10Nfa = 0.0;              ///< of an accident with as many inliers; by two-view geometry alone
   Eigen::Matrix3d R_place_view = Eigen::Matrix3d::Identity();
   Eigen::Vector3d direction_place = Eigen::Vector3d::Zero();  ///< unit vector to the view; zero: no parallax
-  std::optional<types::RelPose> T_place_robot;                ///< with scale; by stereo alone
+  double sigmaRotation = 0;                                   ///< standard deviation of R_place_view [rad],
+  double sigmaDirection = 0;     ///< and of direction_place [rad]; by two-view geometry alone
+  std::optional<Length> length;  ///< of the way to the view, where the place knows how far its features are
+  std::optional<types::RelPose> T_place_robot;  ///< with scale; by stereo alone
+  /// How far the verified matches are apart in a view that sees all round, as a share of all its features:
+  /// matches of one thing that has been carried elsewhere lie together. 1 for other views, which one thing
+  /// may fill.
+  double spread = 1;
   bool verified() const { return reason == geometry::Reason::kOk; }
 };
 
@@ -59,9 +67,5 @@ void noteInliers(std::vector<types::Hypothesis>& hypotheses, const types::Hypoth
 
 /// F eq (8) as F-E11 simplifies it: sqrt(matches / features of the reference); 0 for an empty reference.
 double similarity(int matches, int referenceFeatures);
-
-/// The view as the place would see it: bearings turned into the frame of the place, which is what memory
-/// keeps.
-types::Features inPlaceFrame(types::Features view, const Eigen::Matrix3d& R_place_view);
 
 }  // namespace engram::pipeline

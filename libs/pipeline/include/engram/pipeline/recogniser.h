@@ -67,8 +67,9 @@ class Recogniser {
   /// The places that the last view resembles most, whatever was believed before; fewer when it resembles no
   /// more.
   std::vector<types::Hypothesis> mostSimilar() const;
-  /// The first of them that may be it.
-  std::optional<types::Hypothesis> mostSimilar(const std::function<bool(base::PlaceId)>& mayBe) const;
+  /// The first so many of those that may be it.
+  std::vector<types::Hypothesis> mostSimilar(std::size_t most,
+                                             const std::function<bool(base::PlaceId)>& mayBe) const;
   /// Geometry alone has found the robot at this place: the belief follows.
   void confirm(base::PlaceId place);
 

@@ -17,7 +17,7 @@ class Whereabouts {
  public:
   /// @param wheels whether wheel odometry counts. @param frontier the robot begins on new ground
   Whereabouts(const OdometryParams& params, bool wheels, bool frontier)
-      : countsWheels_(wheels), wheels_(params), sinceMade_(params), frontier_(frontier) {}
+      : countsWheels_(wheels), wheels_(params), sinceMade_(params), sinceMark_(params), frontier_(frontier) {}
 
   /// Move: what the wheels counted up to this image.
   void turn(const std::optional<Eigen::Isometry3d>& T_odom_robot);
@@ -53,6 +53,8 @@ class Whereabouts {
   void made(base::PlaceId place, double stamp, const types::Matrix6d& cov);
   /// It is back at a known place. @param agrees with the way since the last one
   void backAt(base::PlaceId place, const types::RelPose& T_place_robot, bool agrees = true);
+  /// An image speaks against where the robot is, and is not believed.
+  void doubt() { wheels_.doubt(); }
   /// The anchor is gone from the map.
   void inherit(base::PlaceId heir, const types::RelPose& T_heir_robot);
   /// It is lost: how it got here says nothing.
@@ -70,6 +72,10 @@ class Whereabouts {
   /// The place made last in this drive; what the wheels alone say since.
   base::PlaceId lastMade() const { return made_; }
   const DeadReckoning& sinceMade() const { return sinceMade_; }
+  /// A place from which the wheels count on, however often the robot is recognised on the way.
+  void mark(base::PlaceId place, const types::RelPose& T_place_robot);
+  base::PlaceId marked() const { return marked_; }
+  const DeadReckoning& sinceMark() const { return sinceMark_; }
   /// The anchor rests on this closure. When the graph denies it, the robot is where its wheels say.
   void restOn(base::EdgeId closure) { anchoredBy_ = closure; }
   void deny(const std::vector<base::EdgeId>& closures);
@@ -78,9 +84,10 @@ class Whereabouts {
   bool countsWheels_;
   DeadReckoning wheels_;     // from the anchor
   DeadReckoning sinceMade_;  // from the place made last: wheels alone
+  DeadReckoning sinceMark_;  // from the marked place: wheels alone
   bool frontier_;
   bool restarted_ = false;  // since the last keyframe
-  base::PlaceId anchor_, made_;
+  base::PlaceId anchor_, made_, marked_;
   base::EdgeId anchoredBy_;  // invalid when the anchor rests on no closure
   std::set<base::PlaceId> recent_;
   double anchorStamp_ = 0, sinceAnchor_ = 0;

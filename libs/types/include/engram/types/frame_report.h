@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/base/ids.h"
+#include "engram/types/rel_pose.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -47,6 +48,13 @@ struct LiveState {
   std::size_t incomplete = 0, missed = 0, dropped = 0;
 };
 
+/// Where the robot is, by all images and odometry so far.
+struct RobotPose {
+  base::PlaceId place;                                            ///< that it was last certain to be at
+  RelPose T_place_robot;                                          ///< with covariance
+  Eigen::Isometry3d T_map_robot = Eigen::Isometry3d::Identity();  ///< [m]; the same, as the map stands now
+};
+
 /// The record of one image: every step's decision. One line of the report file.
 struct FrameReport {
   std::uint64_t index = 0;  ///< Frame::index
@@ -60,6 +68,7 @@ struct FrameReport {
   double bestGuessInterpolated =
       -1.0;  ///< sub-place peak along the map's chain of places (F-E14); -1 without one
   double newPlaceProbability = 0.0;
+  std::optional<RobotPose> pose;       ///< none where nothing measures lengths, or before the first place
   std::vector<Hypothesis> hypotheses;  ///< best first
   bool closure = false;                ///< a loop edge was added
   int closuresDropped = 0;             ///< loop edges that left the map: the graph denies them
