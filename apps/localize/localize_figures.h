@@ -13,6 +13,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,8 @@ class LocalizeFigures {
  public:
   /// @param csv takes a line an image: index, stamp, label, outcome, place and best guess with the images
   /// that
-  ///   made them, posterior, similarity, inliers, verdicts, error [places], time [ms]
+  ///   made them, posterior, similarity, inliers, verdicts, error [places], time [ms],
+  ///   reason, pose in the map [m, rad] with deviations, its error where there is truth
   LocalizeFigures(const map::TopologicalMap& map, const MapTruth* truth, base::LineFile& csv)
       : map_(map), truth_(truth), csv_(csv) {}
 
@@ -35,13 +37,21 @@ class LocalizeFigures {
   const RunUse& use() const { return use_; }
 
   /// Keys: images, queries, answerable, accepted, right, wrong, best_guess_right, within_1_25_places,
-  /// error_places {mean, median, p95, max}, adapted, causes {reason: count}, ms_per_image {mean, median, p95,
-  /// max}, peak_rss_bytes. Verdicts are null without truth.
+  /// error_places {mean, median, p95, max}, pose_error [m] and heading_error [rad] likewise, pose_nees (1
+  /// when the reported covariance is right), adapted, causes {reason: count}, ms_per_image {mean, median,
+  /// p95, max}, peak_rss_bytes. Verdicts are null without truth.
   nlohmann::json toJson() const;
   void print(std::ostream& out) const;
 
  private:
-  void write(const types::FrameReport& report, const evaluation::LocalisationResult& result);
+  struct PoseScore {
+    evaluation::Percentiles position;  // [m]
+    evaluation::Percentiles heading;   // [rad]
+    double nees = 0;
+  };
+  PoseScore poseScore() const;
+  void write(const types::FrameReport& report, const evaluation::LocalisationResult& result,
+             const std::optional<PoseError>& off);
   std::string label(base::PlaceId place) const;
   int withinF26() const;
 
@@ -49,6 +59,7 @@ class LocalizeFigures {
   const MapTruth* truth_;
   base::LineFile& csv_;
   std::vector<evaluation::LocalisationResult> results_;  // none without truth
+  std::vector<PoseError> poseErrors_;                    // the same
   evaluation::RunningPercentiles milliseconds_;
   RunUse use_;
   int accepted_ = 0;

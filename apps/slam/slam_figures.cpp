@@ -18,6 +18,7 @@ void SlamFigures::add(const types::FrameReport& report, const map::TopologicalMa
   made_ += report.outcome == types::Outcome::kNewPlace;
   refused_ += report.outcome == types::Outcome::kRefused;
   unusable_ += report.outcome == types::Outcome::kUnusable;
+  lateClosures_ += report.closuresRestored;
   hasTruth_ = truth != nullptr;
   if (!report.closure) return;
   // A map of views has closed the loop to an older view: the best guess.
@@ -55,6 +56,7 @@ nlohmann::json SlamFigures::toJson(const map::TopologicalMap& map, std::uint64_t
           {"closures", closures_.size()},
           {"false_closures", hasTruth_ ? nlohmann::json(falseClosures) : nlohmann::json(nullptr)},
           {"closure_list", closures},
+          {"late_closures", lateClosures_},
           {"ate_m", ate_ ? nlohmann::json(*ate_) : nlohmann::json(nullptr)},
           {"map_bytes", mapBytes},
           {"bytes_per_place", mapBytes / std::max<std::size_t>(1, places)},
@@ -72,6 +74,7 @@ void SlamFigures::print(std::ostream& out, const map::TopologicalMap& map, const
       << " recognised, " << refused_ << " refused, " << unusable_ << " unusable, " << closures_.size()
       << " closures";
   if (hasTruth_) out << " (" << std::count_if(closures_.begin(), closures_.end(), isFalse) << " false)";
+  if (lateClosures_ > 0) out << ", " << lateClosures_ << " found later";
   out << std::fixed << std::setprecision(1) << "\n  " << ms.mean << " ms per image (95 %: " << ms.p95
       << ", max: " << ms.max << ")";
   if (ate_) out << std::setprecision(3) << ", trajectory error " << *ate_ << " m (rms)";

@@ -48,7 +48,7 @@ class SlamFigures {
   evaluation::RunningPercentiles milliseconds_;
   RunUse use_;
   std::vector<Closure> closures_;
-  int recognised_ = 0, made_ = 0, refused_ = 0, unusable_ = 0;
+  int recognised_ = 0, made_ = 0, refused_ = 0, unusable_ = 0, lateClosures_ = 0;
   bool hasTruth_ = false;
   std::optional<double> ate_;
 };

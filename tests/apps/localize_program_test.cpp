@@ -50,13 +50,17 @@ TEST_F(LocalizeTest, AnswersAreRightByTruthAndTheMapStaysByteForByte) {
   EXPECT_EQ(j["adapted"], 0);
   EXPECT_GE(j["accepted"], 38 * 7 / 10);
   EXPECT_GE(j["right"].get<int>() * 100, j["accepted"].get<int>() * 95);
+  EXPECT_LT(j["pose_error"]["median"], 0.08);
+  EXPECT_LT(j["heading_error"]["median"], 0.026);
+  EXPECT_LT(j["pose_nees"], 3);
 
   std::istringstream csv(bytesOf(path("l.csv")));
   std::string line;
   std::getline(csv, line);
   EXPECT_EQ(line,
             "index,stamp,label,outcome,place,place_label,best_guess,best_guess_label,posterior,similarity,"
-            "inliers,verdict,best_guess_verdict,error_places,ms,reason");
+            "inliers,verdict,best_guess_verdict,error_places,ms,reason,x,y,heading,sigma_along,sigma_across,"
+            "sigma_heading,pose_error,heading_error");
   int lines = 0, right = 0;
   while (std::getline(csv, line)) {
     EXPECT_THAT(line, ::testing::StartsWith(std::to_string(lines) + ","));
@@ -72,8 +76,8 @@ TEST_F(LocalizeTest, WithoutTruthVerdictsAreNull) {
   const RunResult result = run({"--json", path("l.json"), "-q"}, rawlog(2));
   ASSERT_EQ(result.code, kOk);
   EXPECT_THAT(result.out + result.err, IsEmpty());
-  for (const char* key :
-       {"answerable", "right", "wrong", "best_guess_right", "within_1_25_places", "error_places"})
+  for (const char* key : {"answerable", "right", "wrong", "best_guess_right", "within_1_25_places",
+                          "error_places", "pose_error", "heading_error", "pose_nees"})
     EXPECT_TRUE(jsonOf(path("l.json"))[key].is_null()) << key;
 }
 

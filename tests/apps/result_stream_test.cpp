@@ -304,6 +304,11 @@ TEST(StreamLine, HasTheDocumentedKeys) {
       R"("new_place":0.0,"inliers":null,"latency_ms":null})");
   EXPECT_EQ(nlohmann::json::parse(streamLine({}, StreamPose{{0, 0, 0}, std::nullopt}))["pose"]["heading_deg"],
             nullptr);
+  report.pose.emplace().T_place_robot.cov.diagonal() << 0.04 * 0.04, 0.01, 1, 1, 1, 1e-4;
+  const auto known = nlohmann::json::parse(streamLine(report, pose))["pose"];
+  EXPECT_EQ(known["sigma_along"], 0.04);
+  EXPECT_EQ(known["sigma_across"], 0.1);
+  EXPECT_NEAR(known["sigma_heading_deg"], 0.572958, 1e-6);
 }
 
 Eigen::Isometry3d pose(double x, double y, double yaw) {

@@ -21,7 +21,9 @@ TEST(ReportJson, HasTheDocumentedKeys) {
       toJson(sampleReport()),
       R"({"index":42,"stamp":1700000000.25,"label":"img_\"042\".png","outcome":"recognised",)"
       R"("reason":"too few inliers: 11 of 30","features":512,"place":3,"best_guess":4,)"
-      R"("best_guess_interpolated":3.4,"new_place_probability":0.1,"hypotheses":[)"
+      R"("best_guess_interpolated":3.4,"new_place_probability":0.1,)"
+      R"("pose":{"x":1.5,"y":-2.25,"heading":0.5,"sigma_along":0.04,"sigma_across":0.03,"sigma_heading":0.02},)"
+      R"("hypotheses":[)"
       R"({"place":3,"similarity":0.8,"posterior":0.7,"inliers":120},)"
       R"({"place":4,"similarity":0.3,"posterior":0.1,"inliers":-1}],"closure":true,)"
       R"("closures_dropped":1,"closures_restored":2,)"

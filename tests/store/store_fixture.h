@@ -59,6 +59,10 @@ inline types::FrameReport sampleReport() {
   r.bestGuess = base::PlaceId(4);
   r.bestGuessInterpolated = 3.4;
   r.newPlaceProbability = 0.1;
+  r.pose.emplace().place = base::PlaceId(3);
+  r.pose->T_map_robot =
+      Eigen::Translation3d(1.5, -2.25, 0) * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ());
+  r.pose->T_place_robot.cov.diagonal() << 0.04 * 0.04, 0.03 * 0.03, 1, 1, 1, 0.02 * 0.02;
   r.hypotheses = {{base::PlaceId(3), 0.8, 0.7, 120}, {base::PlaceId(4), 0.3, 0.1, -1}};
   r.closure = true;
   r.closuresDropped = 1;

@@ -4,8 +4,12 @@
 
 #include "engram/base/error.h"
 #include "engram/evaluation/trajectory_error.h"
+#include "engram/types/se3.h"
+
+#include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 
 namespace engram::apps {
@@ -80,6 +84,20 @@ Judgement MapTruth::judge(const map::TopologicalMap& map, const types::FrameRepo
 
 bool MapTruth::answerable(const types::FrameReport& report) const {
   return truth_.answerable(reference(report));
+}
+
+std::optional<PoseError> MapTruth::poseError(const map::TopologicalMap& map,
+                                             const types::FrameReport& report) const {
+  if (!report.pose || !hasPoses() || !map.places().contains(report.pose->place)) return std::nullopt;
+  const auto& T_world_place = map.place(report.pose->place).T_world_place;
+  const auto truth = evaluation::poseAt(poses_, report.stamp);
+  if (!T_world_place || !truth) return std::nullopt;
+  const types::RelPose& found = report.pose->T_place_robot;
+  const types::Vector6d off = types::logSe3((*T_world_place * found.T_a_b).inverse() * *truth);
+  const Eigen::Vector3d error(off[0], off[1], off[5]);
+  const std::vector<int> plane{0, 1, 5};
+  const Eigen::Matrix3d cov = found.cov(plane, plane);
+  return PoseError{error.head<2>().norm(), std::abs(error[2]), error.dot(cov.llt().solve(error)) / 3};
 }
 
 std::optional<double> trajectoryError(const map::TopologicalMap& map, int session,

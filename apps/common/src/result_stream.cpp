@@ -116,6 +116,12 @@ std::string streamLine(const types::FrameReport& report, const std::optional<Str
     const auto metres = [&](int axis) { return rounded(pose->position[axis], kMillion); };
     j["pose"] = {{"x", metres(0)}, {"y", metres(1)}, {"z", metres(2)}};
     j["pose"]["heading_deg"] = heading;
+    if (report.pose) {
+      const auto sigma = [&](int i) { return std::sqrt(report.pose->T_place_robot.cov(i, i)); };
+      j["pose"]["sigma_along"] = rounded(sigma(0), kMillion);
+      j["pose"]["sigma_across"] = rounded(sigma(1), kMillion);
+      j["pose"]["sigma_heading_deg"] = rounded(sigma(5) * 180.0 / std::numbers::pi, kMillion);
+    }
   }
   int inliers = -1;
   for (const auto& h : report.hypotheses) {

@@ -48,7 +48,9 @@ void RunStream::sendMapped(const types::FrameReport& report, const types::Frame&
 void RunStream::sendLocalised(const types::FrameReport& report, const map::TopologicalMap& map) {
   if (!stream_) return;
   std::optional<StreamPose> pose;
-  if (report.outcome == types::Outcome::kRecognised)
+  if (report.pose)
+    pose = {report.pose->T_map_robot.translation(), headingOf(report.pose->T_map_robot)};
+  else if (report.outcome == types::Outcome::kRecognised)
     pose = {map.place(report.place).T_map_place.translation(), std::nullopt};
   send(streamLine(report, pose));
 }

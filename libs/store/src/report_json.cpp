@@ -4,6 +4,7 @@
 
 #include "engram/base/error.h"
 #include "engram/base/json_depth.h"
+#include "engram/types/se3.h"
 
 #include <nlohmann/json.hpp>
 
@@ -62,8 +63,38 @@ Json memoryToJson(const types::MemoryChange& m) {
           {"short_term", m.shortTerm}};
 }
 
+/// In the plane: the figures that a robot on wheels is asked for. [m], [rad]
+Json poseToJson(const types::RobotPose& pose) {
+  const Eigen::Isometry3d& T = pose.T_map_robot;
+  const auto sigma = [&](int i) { return rounded(std::sqrt(pose.T_place_robot.cov(i, i))); };
+  return {{"x", rounded(T(0, 3))},
+          {"y", rounded(T(1, 3))},
+          {"heading", rounded(std::atan2(T(1, 0), T(0, 0)))},
+          {"sigma_along", sigma(0)},
+          {"sigma_across", sigma(1)},
+          {"sigma_heading", sigma(5)}};
+}
+
 void requireObject(const Json& j, const char* what) {
   if (!j.is_object()) throw base::Error(std::string("in a frame record, ") + what + " is not a JSON object");
+}
+
+/// As much of it as the record keeps.
+types::RobotPose poseFromJson(const Json& j) {
+  requireObject(j, "'pose'");
+  double x = 0, y = 0, heading = 0, along = 0, across = 0, turn = 0;
+  read(j, "x", x);
+  read(j, "y", y);
+  read(j, "heading", heading);
+  read(j, "sigma_along", along);
+  read(j, "sigma_across", across);
+  read(j, "sigma_heading", turn);
+  types::RobotPose pose;
+  pose.T_map_robot = Eigen::Translation3d(x, y, 0) * Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ());
+  types::Vector6d sigma = types::Vector6d::Zero();
+  sigma << along, across, 0, 0, 0, turn;
+  pose.T_place_robot.cov = sigma.cwiseAbs2().asDiagonal();
+  return pose;
 }
 
 FrameReport decode(const Json& j) {
@@ -79,6 +110,7 @@ FrameReport decode(const Json& j) {
   r.bestGuess = idFromJson(j, "best_guess");
   read(j, "best_guess_interpolated", r.bestGuessInterpolated);
   read(j, "new_place_probability", r.newPlaceProbability);
+  if (const auto pose = j.find("pose"); pose != j.end() && !pose->is_null()) r.pose = poseFromJson(*pose);
   for (const Json& h : j.value("hypotheses", Json::array())) {
     requireObject(h, "a hypothesis");
     auto& out = r.hypotheses.emplace_back();
@@ -129,6 +161,7 @@ std::string toJson(const FrameReport& r, bool withTimes) {
             {"best_guess", idToJson(r.bestGuess)},
             {"best_guess_interpolated", rounded(r.bestGuessInterpolated)},
             {"new_place_probability", rounded(r.newPlaceProbability)}};
+  if (r.pose) j["pose"] = poseToJson(*r.pose);
   j["hypotheses"] = Json::array();
   for (const auto& h : r.hypotheses)
     j["hypotheses"].push_back({{"place", idToJson(h.place)},

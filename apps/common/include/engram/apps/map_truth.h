@@ -25,6 +25,13 @@ struct Judgement {
   std::optional<double> error;  ///< [places], with TUM truth
 };
 
+/// How far a pose is from the true one, in the plane.
+struct PoseError {
+  double position = 0;  ///< [m]
+  double heading = 0;   ///< [rad], not negative
+  double nees = 0;      ///< squared error in units of the reported covariance, by its 3 degrees of freedom
+};
+
 /// Ground truth held against a map. Only programs use it: nothing that maps or localises sees it.
 class MapTruth {
  public:
@@ -53,6 +60,8 @@ class MapTruth {
   Judgement judge(const map::TopologicalMap& map, const types::FrameReport& report, base::PlaceId place,
                   double peak) const;
   bool answerable(const types::FrameReport& report) const;
+  /// Of the pose in the report, by the surveyed pose of the place that it hangs on; none without either.
+  std::optional<PoseError> poseError(const map::TopologicalMap& map, const types::FrameReport& report) const;
 
  private:
   evaluation::Truth truth_;
