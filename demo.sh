@@ -9,12 +9,19 @@ cd "$(dirname "$0")"
 source scripts/setup.sh
 out=${1:-demo-out}
 
+mark=.made-by-engram-demo
+if [ -e "$out" ] && [ ! -e "$out/$mark" ] && [ -n "$(ls -A "$out" 2>/dev/null || echo file)" ]; then
+  echo "$0: $out is there already, and no demo made it; name another folder, or remove it yourself" >&2
+  exit 1
+fi
+echo "Takes about a minute; the first time also some 20 minutes of two cores to build. Needs 2 GB of disk."
 engram_install_packages
 engram_build release engram-world engram-slam engram-localize engram-map engram-rawlog
 bin=build/release/bin
 
 rm -rf "$out"
 mkdir -p "$out"
+touch "$out/$mark"
 echo; echo "== A building, three drives on different days, and a test drive"
 "$bin/engram-world" make --preset tiny --camera omni --sessions 3 --seed 7 --test-drive --out "$out/world"
 
