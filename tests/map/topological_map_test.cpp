@@ -197,6 +197,8 @@ TEST(TopologicalMap, KeepsTheFirstRangeOfAFeature) {
   m.checkInvariants();
   for (const auto& bad : {std::pair{-1, 1.0f}, {static_cast<int>(n), 1.0f}, {0, 0.0f}, {0, -2.0f}})
     EXPECT_THROW(m.measure(p(0), std::vector<std::pair<int, float>>{bad}), base::Error);
+  EXPECT_THROW(m.measure(p(0), std::vector<std::pair<int, float>>{{1, 2.0f}, {-1, 1.0f}}), base::Error);
+  EXPECT_TRUE(m.place(p(0)).memory.features.ranges.empty()) << "a bad one changes nothing";
   EXPECT_THROW(m.measure(p(7), {}), base::Error);
 }
 

@@ -183,10 +183,11 @@ types::MemoryChange TopologicalMap::remember(PlaceId id, const memory::MemoryMod
 
 void TopologicalMap::measure(PlaceId id, std::span<const std::pair<int, float>> ranges) {
   types::Features& features = mutablePlace(id).memory.features;
-  bool changed = false;
-  for (const auto& [i, range] : ranges) {
+  for (const auto& [i, range] : ranges)
     if (i < 0 || static_cast<std::size_t>(i) >= features.size() || !(range > 0) || !std::isfinite(range))
       throw base::Error("a range of place " + std::to_string(id.value) + " is of no feature or no distance");
+  bool changed = false;
+  for (const auto& [i, range] : ranges) {
     features.ranges.resize(features.size());
     float& known = features.ranges[static_cast<std::size_t>(i)];
     if (known > 0) continue;
