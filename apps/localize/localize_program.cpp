@@ -121,7 +121,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     drive->file().close();
   }
   if (truth && !base::interrupted()) truth->requireMatch(localizer.map(), err);
-  const int code = conclude(figures, out, err);
+  const int code = conclude(localizer, figures, out, err);
   for (const base::LineFile* lines : {&csv, &records})
     if (!lines->failure().empty()) err << name() << ": " << lines->failure() << "\n";
   return csv.failure().empty() && records.failure().empty() ? code : kPartial;
@@ -146,7 +146,8 @@ pipeline::Pipeline LocalizeProgram::open(store::DriveWriter* drive) const {
   return localizer;
 }
 
-int LocalizeProgram::conclude(const LocalizeFigures& figures, std::ostream& out, std::ostream& err) {
+int LocalizeProgram::conclude(const pipeline::Pipeline& localizer, const LocalizeFigures& figures,
+                              std::ostream& out, std::ostream& err) {
   input_.close();
   stream_.close(err);
   const std::string problem = input_.problem();
@@ -154,6 +155,7 @@ int LocalizeProgram::conclude(const LocalizeFigures& figures, std::ostream& out,
     throw base::Error(problem.empty() ? "no images" : problem);
   auto json = figures.toJson();
   json["live"] = input_.figures();
+  json["odometry"] = toJson(localizer.wheels());
   writeJson(json_, json);
   if (!quiet_) {
     figures.print(stream_.summaryTo(out, err));
@@ -162,7 +164,9 @@ int LocalizeProgram::conclude(const LocalizeFigures& figures, std::ostream& out,
   say(problem, err);
   if (base::interrupted()) err << name() << ": interrupted; the results hold every image up to here\n";
   say(figures.use().complaint(), err);
-  const bool sound = figures.use().complaint().empty() && !eyes_.faulty() && !stream_.failed();
+  say(pipeline::describe(localizer.wheels()), err);
+  const bool sound = figures.use().complaint().empty() && !eyes_.faulty() &&
+                     !pipeline::isGrave(localizer.wheels()) && !stream_.failed();
   return sound ? input_.exitCode() : kPartial;
 }
 

@@ -28,7 +28,8 @@ class LocalizeProgram : public Program {
  private:
   std::optional<store::DriveWriter> openToAdapt(std::ostream& err);
   pipeline::Pipeline open(store::DriveWriter* drive) const;
-  int conclude(const LocalizeFigures& figures, std::ostream& out, std::ostream& err);
+  int conclude(const pipeline::Pipeline& localizer, const LocalizeFigures& figures, std::ostream& out,
+               std::ostream& err);
 
   RunConfig config_;
   RunInput input_;

@@ -150,6 +150,7 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::Pipeline& mapper
   const auto bytes = fs::file_size(file.path());
   auto json = figures.toJson(map, bytes, peakResidentBytes());
   json["live"] = input_.figures();
+  json["odometry"] = toJson(mapper.wheels());
   writeJson(json_, json);
   std::ostream& summary = stream_.summaryTo(out, err);
   if (!quiet_) {
@@ -161,7 +162,9 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::Pipeline& mapper
   say(problem, err);
   if (base::interrupted()) err << name() << ": interrupted; the map holds every image up to here\n";
   say(figures.use().complaint(), err);
-  const bool sound = figures.use().complaint().empty() && !eyes_.faulty() && !stream_.failed();
+  say(pipeline::describe(mapper.wheels()), err);
+  const bool sound = figures.use().complaint().empty() && !eyes_.faulty() &&
+                     !pipeline::isGrave(mapper.wheels()) && !stream_.failed();
   return sound ? input_.exitCode() : kPartial;
 }
 

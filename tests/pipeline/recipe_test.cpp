@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Recipe, KeysOfPlacesHaveNoEffectOnViews) {
   for (const std::string text :
        {"[select]\nmin_distance = 1\n", "[place]\npatience = 3\n", "[belief]\nnew_place_prior = 0.2\n",
-        "[recognise]\nclosure_similarity = 0.3\n", "[posegraph]\ngate_support = 2\n"}) {
+        "[recognise]\nclosure_similarity = 0.3\n", "[posegraph]\ngate_support = 4\n"}) {
     EXPECT_THAT(complaint(text), IsEmpty()) << text;
     EXPECT_THAT(complaint(kViewMap + text), HasSubstr("has no effect")) << text;
   }

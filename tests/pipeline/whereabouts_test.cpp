@@ -20,16 +20,16 @@ const types::Matrix6d kCov = types::Matrix6d::Identity() * 1e-6;
 /// At a place that it made after a metre on its wheels.
 Whereabouts atFirstPlace(bool wheels = true) {
   Whereabouts robot({}, wheels, true);
-  robot.turn(at(0));
-  robot.turn(at(1));
+  robot.turn(at(0), 0);
+  robot.turn(at(1), 1);
   robot.made(p(0), 1, kCov);
   return robot;
 }
 
 TEST(Whereabouts, NothingIsMeasuredBeforeThereIsAPlace) {
   Whereabouts robot({}, true, true);
-  robot.turn(at(0));
-  robot.turn(at(1));
+  robot.turn(at(0), 0);
+  robot.turn(at(1), 1);
   EXPECT_FALSE(robot.metric());
   EXPECT_FALSE(robot.anchor().valid());
 }
@@ -37,7 +37,7 @@ TEST(Whereabouts, NothingIsMeasuredBeforeThereIsAPlace) {
 TEST(Whereabouts, EyesCountBeforeWheelsAndWheelsWhereEyesFail) {
   Whereabouts robot = atFirstPlace();
   robot.resume();
-  robot.turn(at(3));  // the wheels slip
+  robot.turn(at(3), 3);  // the wheels slip
   robot.see({.T_a_b = at(1.5), .cov = kCov}, 2, true);
   EXPECT_NEAR(robot.motion()->T_a_b.translation().x(), 1.5, 1e-12);
   robot.lose();
@@ -47,17 +47,17 @@ TEST(Whereabouts, EyesCountBeforeWheelsAndWheelsWhereEyesFail) {
 
 TEST(Whereabouts, WithoutWheelsALostRobotKnowsNothing) {
   Whereabouts robot = atFirstPlace(false);
-  robot.turn(at(3));
+  robot.turn(at(3), 3);
   EXPECT_FALSE(robot.metric());
 }
 
 TEST(Whereabouts, ADeniedClosureLeavesItWhereItsWheelsSay) {
   Whereabouts robot = atFirstPlace();
-  robot.turn(at(3));
+  robot.turn(at(3), 3);
   robot.restOn(base::EdgeId(7));
   robot.backAt(p(5), {.T_a_b = at(0.2), .cov = kCov});
   EXPECT_FALSE(robot.frontier());
-  robot.turn(at(4));
+  robot.turn(at(4), 4);
   EXPECT_NEAR(robot.motion()->T_a_b.translation().x(), 1.2, 1e-12);
   robot.deny({base::EdgeId(6)});
   EXPECT_EQ(robot.anchor(), p(5));
@@ -83,11 +83,27 @@ TEST(Whereabouts, CountsPlacesThatAgreeInARow) {
 TEST(Whereabouts, AfterARestartTheWayIsUnknownOnce) {
   Whereabouts robot = atFirstPlace();
   robot.markKeyframe();
-  robot.turn(at(2));
+  robot.turn(at(2), 2);
   robot.restart();
   EXPECT_FALSE(robot.markKeyframe());
-  robot.turn(at(3));
+  robot.turn(at(3), 3);
   ASSERT_TRUE(robot.markKeyframe());
+}
+
+TEST(Whereabouts, AfterALeapTheWayIsUnknownUntilThereIsAnAnchor) {
+  Whereabouts robot = atFirstPlace();
+  robot.markKeyframe();
+  EXPECT_TRUE(robot.turn(at(2), 2));
+  EXPECT_FALSE(robot.turn(at(500), 3));
+  EXPECT_TRUE(robot.turn(at(501), 4));
+  EXPECT_TRUE(robot.strayed());
+  EXPECT_FALSE(robot.metric());
+  EXPECT_FALSE(robot.markKeyframe());
+  robot.backAt(p(0), {.T_a_b = at(0), .cov = kCov});
+  EXPECT_FALSE(robot.strayed());
+  EXPECT_TRUE(robot.turn(at(502), 5));
+  EXPECT_NEAR(robot.motion()->T_a_b.translation().x(), 1, 1e-12);
+  EXPECT_TRUE(robot.markKeyframe());
 }
 
 TEST(Whereabouts, RecentPlacesAreThoseNearTheNewest) {

@@ -121,6 +121,22 @@ nlohmann::json RunUse::toJson() const {
   return json;
 }
 
+nlohmann::json toJson(const pipeline::OdometryHealth& health) {
+  if (health.steps == 0) return nullptr;
+  const auto ifAny = [](int count, double value) { return count > 0 ? nlohmann::json(value) : nullptr; };
+  const std::string fault = describe(health);
+  return {{"steps", health.steps},
+          {"leaps", health.leaps},
+          {"fastest_m_s", health.fastest},
+          {"fastest_leap_m_s", ifAny(health.leaps, health.fastestLeap)},
+          {"frozen", health.frozen},
+          {"denied_closures", health.denied},
+          {"heading_ratio", ifAny(health.compared, health.headingRatio)},
+          {"heading_unexplained", ifAny(health.compared, health.headingResidual)},
+          {"direction_cosine", ifAny(health.directions, health.directionCosine)},
+          {"fault", fault.empty() ? nlohmann::json(nullptr) : nlohmann::json(fault)}};
+}
+
 std::string EyeWatch::after(const std::optional<odometry::StereoHealth>& health, bool last) {
   using odometry::StereoFault;
   if (!health) return {};

@@ -90,6 +90,13 @@ void TopologicalMap::removeEdge(EdgeId id) {
   journal_.note(Kind::kRemovedEdge, id.value);
 }
 
+void TopologicalMap::stretchEdge(EdgeId id, double factor) {
+  if (!(factor > 0) || !std::isfinite(factor))
+    throw base::Error(ends(edge(id)) + ": it cannot become " + std::to_string(factor) + " times as long");
+  content_.edges.at(id).T_a_b.T_a_b.translation() *= factor;
+  journal_.note(Kind::kEdge, id.value);
+}
+
 void TopologicalMap::addPathPoint(const PathPoint& point) {
   place(point.anchor);  // throws when unknown
   if (const std::string rule = brokenRule(point); !rule.empty())

@@ -34,6 +34,12 @@ void DeadReckoning::move(const std::optional<Eigen::Isometry3d>& T_odom_robot) {
   T_odom_last_ = T_odom_robot;
 }
 
+void DeadReckoning::leap(const Eigen::Isometry3d& T_odom_robot) {
+  T_odom_last_ = T_odom_robot;
+  present_ = true;
+  presentAtAnchor_ = presentAtKeyframe_ = false;
+}
+
 void DeadReckoning::reset(const Eigen::Isometry3d& T_anchor_robot, const types::Matrix6d& cov) {
   T_anchor_robot_.T_a_b = T_anchor_robot;
   T_anchor_robot_.cov = cov;

@@ -80,6 +80,15 @@ void OdometryParams::describe(base::Params& p) {
       "localising: drift that two accepted places in a row may differ by, of the way between them [m per m]",
       {0, 10});
   p.add("sigma_floor", sigma_floor, "least standard deviation of an edge [m and rad]", {1e-6, 10});
+  p.add("sigma_scale", sigma_scale,
+        "error of the wheel radius, one sigma over drives: each drive is one vote on how long a metre is; 0: "
+        "the first one says so alone [m per m]",
+        {0, 1});
+  p.add("max_speed", max_speed, "odometry that is faster is a leap: the way there counts as unknown [m/s]",
+        {0.01, 1000});
+  p.add("max_acceleration", max_acceleration,
+        "odometry that differs from the speed before by more is a leap, too [m/s^2]", {0.01, 1000});
+  p.addDegrees("max_turn_rate_deg", max_turn_rate, "and odometry that turns faster [deg/s]", {1, 36000});
 }
 
 void MappingParams::describe(base::Params& p) {

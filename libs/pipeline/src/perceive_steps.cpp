@@ -3,6 +3,7 @@
 #include "perceive_steps.h"
 
 #include "engram/features/matching.h"
+#include "engram/geometry/verify.h"
 #include "engram/types/se3.h"
 #include "step_timer.h"
 
@@ -11,6 +12,24 @@
 
 namespace engram::pipeline {
 namespace {
+
+constexpr double kStill = 1e-4;     // [m] and [rad]
+constexpr int kDead = 2;            // images that move while the wheels stand: these are dead
+constexpr double kSeenTurn = 0.05;  // [rad] between images of a robot that has moved
+
+/// What two images say of the motion between them.
+enum class Sight { kMoved, kStood, kUnknown };
+
+/// Someone may stand before the robot: then geometry cannot tell.
+Sight motionSeen(const types::Features& now, const types::Features& then,
+                 std::span<const types::Match> matches, const geometry::VerifyParams& params) {
+  const auto v = geometry::verify(now, then, matches, Eigen::Vector3d::UnitZ(), params);
+  if (!v.ok()) return Sight::kUnknown;
+  const Eigen::Isometry3d& T = v.T_a_b.T_a_b;
+  const bool moved = !T.translation().isZero() || std::abs(Eigen::AngleAxisd(T.linear()).angle()) > kSeenTurn;
+  if (moved) return Sight::kMoved;
+  return 2 * v.inliers.size() >= matches.size() ? Sight::kStood : Sight::kUnknown;
+}
 
 /// The image is taken up; the wheels count on from here.
 Keyframe takenUp(Run& run, Seen seen) {
@@ -36,7 +55,7 @@ std::optional<Seen> PairStep::perceive(Run& run, const types::Frame& frame, type
 }
 
 std::optional<Motion> WheelsStep::move(Run& run, const Seen& seen, types::FrameReport&) {
-  run.robot.turn(seen.frame.T_odom_robot);
+  run.robot.turn(seen.frame.T_odom_robot, seen.frame.stamp);
   return Motion{};
 }
 
@@ -45,8 +64,9 @@ EyesStep::EyesStep(const Run& run)
 
 std::optional<Motion> EyesStep::move(Run& run, const Seen& seen, types::FrameReport& report) {
   const StepTimer timer(report, "move");
-  run.robot.turn(seen.frame.T_odom_robot);
-  const odometry::OdometryResult found = odometry_.process(seen.pair, eyeStep(run, seen.frame));
+  const bool sound = run.robot.turn(seen.frame.T_odom_robot, seen.frame.stamp);
+  const auto byWheels = eyeStep(run, seen.frame);
+  const odometry::OdometryResult found = odometry_.process(seen.pair, sound ? byWheels : std::nullopt);
   report.features = found.points;
   if (!found.ok()) {
     run.robot.lose();
@@ -104,10 +124,24 @@ std::optional<Keyframe> MotionSelect::select(Run& run, Seen seen, const Motion&,
   return takenUp(run, std::move(seen));
 }
 
-bool MotionSelect::standing(const Run& run, const Seen& seen, types::FrameReport& report) const {
+/// An encoder that has died says for good that the robot stands. The images know better.
+bool MotionSelect::wheelsDead(Run& run, const Seen& seen) {
+  const DeadReckoning& way = run.robot.sinceKeyframe();
+  if (way.distance() > kStill || way.rotation() > kStill) {
+    moved_ = 0;
+    return false;
+  }
+  const auto matches = features::match(seen.features, last_, run.params.match);
+  moved_ += motionSeen(seen.features, last_, matches, run.params.verify) == Sight::kMoved;
+  if (moved_ < kDead) return false;
+  run.robot.wheelsFailed();
+  return true;
+}
+
+bool MotionSelect::standing(Run& run, const Seen& seen, types::FrameReport& report) {
   if (last_.empty()) return false;
   const DeadReckoning& way = run.robot.sinceKeyframe();
-  if (way.known()) {
+  if (way.known() && !wheelsDead(run, seen)) {
     if (way.distance() >= run.params.select.min_distance || way.rotation() >= run.params.select.min_rotation)
       return false;
     report.reason = "the robot has not moved";
@@ -115,9 +149,10 @@ bool MotionSelect::standing(const Run& run, const Seen& seen, types::FrameReport
   }
   const auto matches = features::match(seen.features, last_, run.params.match);
   const double s = similarity(static_cast<int>(matches.size()), static_cast<int>(last_.size()));
-  if (s < run.params.select.standing_similarity) return false;
-  report.reason = "the image is nearly the last one";
-  return true;
+  const bool stands = s >= run.params.select.standing_similarity ||
+                      motionSeen(seen.features, last_, matches, run.params.verify) == Sight::kStood;
+  if (stands) report.reason = "the image is nearly the last one";
+  return stands;
 }
 
 std::optional<Keyframe> KeyframeSelect::select(Run& run, Seen seen, const Motion& motion,

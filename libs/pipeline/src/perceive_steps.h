@@ -48,9 +48,11 @@ class MotionSelect final : public SelectStep {
                                  types::FrameReport& report) override;
 
  private:
-  bool standing(const Run& run, const Seen& seen, types::FrameReport& report) const;
+  bool standing(Run& run, const Seen& seen, types::FrameReport& report);
+  bool wheelsDead(Run& run, const Seen& seen);
 
   types::Features last_;
+  int moved_ = 0;  // images that moved while the wheels stood
 };
 
 /// K-20: a view when the keyframe of visual odometry changes, but not too often. A lost robot takes the first

@@ -106,4 +106,6 @@ map::MapHeader Pipeline::header() const { return run_->perception.mapHeader(run_
 
 std::optional<odometry::StereoHealth> Pipeline::eyes() const { return run_->perception.eyes(); }
 
+const OdometryHealth& Pipeline::wheels() const { return run_->robot.watch().health(); }
+
 }  // namespace engram::pipeline

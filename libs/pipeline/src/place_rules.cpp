@@ -28,6 +28,29 @@ std::optional<types::RelPose> measured(const Run& run, const PlaceMatch& match) 
   return T;
 }
 
+/// Relative pose of two places, with what the map does not know of it.
+types::RelPose between(const Run& run, base::PlaceId a, base::PlaceId b) {
+  const Eigen::Isometry3d T_a_b = run.map.place(a).T_map_place.inverse() * run.map.place(b).T_map_place;
+  const auto& odometry = run.params.odometry;
+  const double root = std::sqrt(T_a_b.translation().norm());
+  const double sigma = odometry.sigma_per_metre * root;
+  return {
+      .T_a_b = T_a_b,
+      .cov = planarCovariance(sigma, sigma, odometry.sigma_heading_per_metre * root, odometry.sigma_floor)};
+}
+
+/// The way since the anchor by odometry, corrected by what one eye saw of it; by the eye alone where it knows
+/// the length and is sure that odometry is wrong.
+types::RelPose seenOf(const Run& run, const types::RelPose& motion, std::span<const Link> links) {
+  const Eigen::Vector3d eye = run.perception.eye();
+  for (const Link& link : links) {
+    if (link.place != run.robot.anchor()) continue;
+    if (callsOdometryWrong(run, link)) return *measuredBy(link.match, eye);
+    if (withOdometry(run, link) == Agreement::kAgrees) return correctedBy(link.match, motion, eye);
+  }
+  return motion;
+}
+
 bool isRecent(const Run& run, base::PlaceId place) {
   return run.robot.frontier() && run.robot.recent().contains(place);
 }
@@ -52,14 +75,14 @@ Eigen::Isometry3d T_place_robot(const Run& run, base::PlaceId place) {
 }
 
 types::RelPose expectedAt(const Run& run, base::PlaceId place) {
-  const base::PlaceId anchor = run.robot.anchor();
-  types::RelPose between;
-  between.T_a_b = run.map.place(place).T_map_place.inverse() * run.map.place(anchor).T_map_place;
-  const auto& odometry = run.params.odometry;
-  const double root = std::sqrt(between.T_a_b.translation().norm());
-  const double sigma = odometry.sigma_per_metre * root;
-  between.cov = planarCovariance(sigma, sigma, odometry.sigma_heading_per_metre * root, odometry.sigma_floor);
-  return types::compose(between, *run.robot.motion());
+  return types::compose(between(run, place, run.robot.anchor()), *run.robot.motion());
+}
+
+bool onePose(const Run& run, const Link& a, const Link& b) {
+  const Eigen::Vector3d eye = run.perception.eye();
+  const auto measured = measuredBy(a.match, eye);
+  if (!measured || !measuredBy(b.match, eye)) return false;
+  return agrees(b.match, types::compose(between(run, b.place, a.place), *measured), eye);
 }
 
 std::optional<std::pair<base::PlaceId, double>> nearestByOdometry(const Run& run) {
@@ -128,19 +151,26 @@ bool fitsTerrain(Run& run, const Link& link) {
   return distance < spacingHere(run);
 }
 
+bool seesWay(base::PlaceId from, std::span<const Link> links) {
+  return std::any_of(links.begin(), links.end(),
+                     [from](const Link& link) { return link.place == from && link.match.verified(); });
+}
+
 types::RelPose motionFrom(const Run& run, base::PlaceId from, std::span<const Link> links) {
   for (const Link& link : links)
     if (const auto seen = measured(run, link.match); link.place == from && seen) return *seen;
   const base::PlaceId anchor = run.robot.anchor();
   if (from == anchor)
-    if (const auto motion = run.robot.motion()) return *motion;
+    if (const auto motion = run.robot.motion()) return seenOf(run, *motion, links);
   const double spacing = run.params.place.spacing;
   types::RelPose guess;
   guess.T_a_b.translation().x() = anchor.valid() ? spacing : 0.0;
   guess.cov = planarCovariance(spacing, spacing, 1.0, run.params.odometry.sigma_floor);
-  for (const Link& link : links)
-    if (link.place == from && link.match.verified())
-      guess.T_a_b = withRotation(link.match.R_place_view, spacing * link.match.direction_place);
+  for (const Link& link : links) {
+    if (link.place != from || !link.match.verified()) continue;
+    if (link.match.length) return *measuredBy(link.match, run.perception.eye());
+    guess.T_a_b = withRotation(link.match.R_place_view, spacing * link.match.direction_place);
+  }
   return guess;
 }
 

@@ -29,6 +29,10 @@ Eigen::Isometry3d T_place_robot(const Run& run, base::PlaceId place);
 /// The same with what is not known of it: the way since the anchor, and the map between.
 types::RelPose expectedAt(const Run& run, base::PlaceId place);
 
+/// Whether an image puts the robot at one pose by either of two places that the map joins: it shows a room,
+/// and both are in it.
+bool onePose(const Run& run, const Link& a, const Link& b);
+
 /// The place around the anchor that is nearest to the robot by odometry, with its distance [m].
 std::optional<std::pair<base::PlaceId, double>> nearestByOdometry(const Run& run);
 
@@ -57,7 +61,11 @@ int closureInliers(Run& run, const Link& link);
 /// enough. A closure needs the matches of one.
 bool fitsTerrain(Run& run, const Link& link);
 
-/// Relative pose of where the robot is, seen from a place: as both eyes measured it; else by odometry; else
+/// Whether an image shows the way from a place to where it was taken.
+bool seesWay(base::PlaceId from, std::span<const Link> links);
+
+/// Relative pose of where the robot is, seen from a place: as both eyes measured it; else by odometry,
+/// corrected by what one eye saw; else as that saw it, where the place knows how far its features are; else
 /// the direction of the two-view geometry, one spacing long (F-05: planar motion up to scale).
 types::RelPose motionFrom(const Run& run, base::PlaceId from, std::span<const Link> links);
 

@@ -2,13 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "place_steps.h"
 
-#include "engram/pipeline/place_fix.h"
-#include "engram/types/se3.h"
+#include "drive_edges.h"
+#include "place_lessons.h"
 #include "place_rules.h"
 #include "step_timer.h"
 #include "thumbnail.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -20,92 +18,8 @@ namespace {
 /// Covariance of being exactly at a place that was just made.
 const types::Matrix6d kCertain = types::Matrix6d::Identity() * 1e-12;
 
-using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-
-/// Where a fresh memory keeps a feature of its view: it numbers them as they come, without those that it
-/// found to be duplicates. -1 for those.
-int indexInFresh(const memory::PlaceMemory& memory, int featureOfView) {
-  const auto id = static_cast<std::uint32_t>(featureOfView);
-  const auto at =
-      std::find_if(memory.states.begin(), memory.states.end(), [id](const auto& s) { return s.id == id; });
-  return at == memory.states.end() ? -1 : static_cast<int>(at - memory.states.begin());
-}
-
-Pairs correspondences(const Run& run, const PlaceMatch& match, base::PlaceId a, base::PlaceId b) {
-  const auto& statesA = run.map.place(a).memory.states;
-  Pairs pairs;
-  for (const auto& m : match.matches)
-    if (indexInFresh(run.map.place(b).memory, m.a) >= 0)
-      pairs.emplace_back(statesA[static_cast<std::size_t>(m.b)].id, static_cast<std::uint32_t>(m.a));
-  return pairs;
-}
-
 std::unique_ptr<memory::MemoryModel> modelOf(const PipelineParams& params) {
   return memory::makeMemoryModel(params.memory, params.fsh, params.multi_store);
-}
-
-/// A way is long enough to tell how far points are when its length is known to this share of it.
-constexpr double kSharpWay = 0.15;
-constexpr double kShortestWay = 0.15;    // [m]
-constexpr double kRangeParallax = 0.05;  // [rad] between the rays of a point whose range is kept
-
-// Drives hold to the map by edges over this many spacings, between poses known so well [m], when they differ
-// from the map by less than that [m], [rad], and not by more than so many at a place: months of drives must
-// not make the graph grow.
-constexpr double kHoldSpacings = 5, kHoldSigma = 0.15, kHoldGap = 0.5, kHoldTurn = 0.15;
-constexpr std::ptrdiff_t kMostHolds = 12;
-
-Eigen::Isometry3d cameraSeenFrom(const Run& run, const Link& link, const types::RelPose& T_place_robot) {
-  const Eigen::Vector3d eye = run.perception.eye();
-  Eigen::Isometry3d T_place_view = T_place_robot.T_a_b;
-  T_place_view.linear() = link.match.R_place_view;
-  T_place_view.translation() += T_place_robot.T_a_b.linear() * eye - eye;
-  return T_place_view;
-}
-
-bool isSharp(const types::RelPose& way) {
-  const double length = way.T_a_b.translation().norm();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(way.cov.topLeftCorner<3, 3>());
-  return length > kShortestWay && std::sqrt(axes.eigenvalues()[2]) < kSharpWay * length;
-}
-
-/// The points that a view and a place see from the two ends of a way that is known well enough.
-std::vector<Landmark> landmarks(const Run& run, const types::Features& view, const Link& link,
-                                const types::RelPose& T_place_robot) {
-  const types::Features& place = run.map.place(link.place).memory.features;
-  if (view.bearings.empty() || place.bearings.empty() || !isSharp(T_place_robot)) return {};
-  return triangulated(view, place, link.match.matches, cameraSeenFrom(run, link, T_place_robot),
-                      kRangeParallax);
-}
-
-void measure(Run& run, base::PlaceId place, std::span<const Landmark> points) {
-  std::vector<std::pair<int, float>> ranges;
-  for (const Landmark& p : points) ranges.emplace_back(p.match.b, static_cast<float>(p.fromPlace));
-  run.map.measure(place, ranges);
-}
-
-/// A new place and those around the anchor that its view matches tell each other how far their features are.
-void measureWith(Run& run, const types::Features& view, const Verified& verified, base::PlaceId made) {
-  if (!run.robot.metric()) return;
-  for (const Link& link : verified.links) {
-    if (!link.match.verified() || isClosure(run, link.place)) continue;
-    const auto points = landmarks(run, view, link, expectedAt(run, link.place));
-    measure(run, link.place, points);
-    std::vector<std::pair<int, float>> ranges;
-    for (const Landmark& p : points)
-      if (const int i = indexInFresh(run.map.place(made).memory, p.match.a); i >= 0)
-        ranges.emplace_back(i, static_cast<float>(p.fromView));
-    run.map.measure(made, ranges);
-  }
-}
-
-/// The place learns from a view that it matches.
-types::MemoryChange teach(Run& run, const memory::MemoryModel& memory, const Lesson& lesson,
-                          const PlaceMatch& match) {
-  const auto T_place_view = cameraSeenFrom(run, {lesson.place, match}, lesson.T_place_robot);
-  const types::Features& known = run.map.place(lesson.place).memory.features;
-  return run.map.remember(lesson.place, memory, inPlaceFrame(lesson.view, T_place_view, known, match.matches),
-                          match.matches);
 }
 
 /// Edges and poses follow the judgement over all closures. A robot whose anchor rested on one that is denied
@@ -240,7 +154,7 @@ base::PlaceId PlaceRemember::remember(Run& run, const Keyframe& image, const Ver
   if (decision.makesNode) return newPlace(run, image, verified, report);
   const base::PlaceId id = decision.known->place;
   const PlaceMatch& match = decision.known->match;
-  measure(run, id, landmarks(run, image.features, *decision.known, decision.T_known_robot));
+  measureFrom(run, image.features, *decision.known, decision.T_known_robot);
   gate_.accepted(id);
   if (gate_.open()) {
     report.learnt = {id};
@@ -351,11 +265,13 @@ void PlaceRelate::joinNew(Run& run, const Verified& verified, base::PlaceId node
   map::Edge edge{.type = anchored ? map::EdgeType::kOdometry : map::EdgeType::kWeak, .b = node};
   edge.a = cameFrom(run, node);
   if (!edge.a.valid()) return;
+  if (run.robot.strayed() && !seesWay(edge.a, verified.links)) edge.type = map::EdgeType::kWeak;
   edge.T_a_b = motionFrom(run, edge.a, verified.links);
   for (const Link& link : verified.links)
     if (link.place == edge.a && link.match.verified())
       edge.correspondences = correspondences(run, link.match, edge.a, edge.b);
   if (rests) edge.type = closureType(run, edge.a);
+  if (!rests) watchOdometry(run, verified.links);
   edge.id = run.map.addEdge(edge);
   if (!rests) return;
   run.closures.enter(edge);
@@ -386,34 +302,6 @@ bool PlaceRelate::joinKnown(Run& run, const Verified& verified, const Decision& 
   return unjudged;
 }
 
-/// What the wheels count between two places that measured where the robot is, some metres apart, is as good
-/// as what they counted when the map was made: each drive adds it, and the map gets better.
-void PlaceRelate::holdToMap(Run& run, const Link& link) const {
-  const auto measured = measuredBy(link.match, run.perception.eye());
-  if (!measured || link.overrules || measured->cov(0, 0) > kHoldSigma * kHoldSigma ||
-      measured->cov(1, 1) > kHoldSigma * kHoldSigma)
-    return;
-  const base::PlaceId from = run.robot.marked();
-  if (from.valid() && run.robot.sinceMark().anchored()) {
-    const types::RelPose& way = run.robot.sinceMark().anchorToRobot();
-    if (way.T_a_b.translation().norm() < kHoldSpacings * run.params.place.spacing) return;
-    const map::Edge edge{.type = map::EdgeType::kDeadReckoning,
-                         .a = from,
-                         .b = link.place,
-                         .T_a_b = types::compose(way, types::inverse(*measured))};
-    const Eigen::Isometry3d now =
-        run.map.place(from).T_map_place.inverse() * run.map.place(link.place).T_map_place;
-    const types::Vector6d gap = types::logSe3(edge.T_a_b.T_a_b.inverse() * now);
-    const bool agrees = gap.head<3>().norm() < kHoldGap && gap.tail<3>().norm() < kHoldTurn;
-    const auto around = run.map.neighbours(from);
-    const auto held = std::count_if(around.begin(), around.end(), [](const map::Neighbour& n) {
-      return n.type == map::EdgeType::kDeadReckoning;
-    });
-    if (agrees && held < kMostHolds) run.map.addEdge(edge);
-  }
-  run.robot.mark(link.place, *measured);
-}
-
 Relation FollowRelate::relate(Run& run, const Keyframe&, const Verified&, const Decision& decision,
                               base::PlaceId, types::FrameReport&) {
   if (!decision.known) return {};
@@ -429,8 +317,10 @@ void PlaceRelax::relax(Run& run, const Relation& relation, types::FrameReport& r
 }
 
 void PlaceRelax::finish(Run& run) {
+  agreeOnTheMetre(run, firstEdge_);
   if (run.closures.empty()) return relaxer_.all(run.map);
   run.closures.review(run.map);
+  run.robot.watch().denied(run.closures.denied());
   run.closures.apply(run.map);
 }
 

@@ -5,18 +5,12 @@
 #include "engram/memory/place_memory.h"
 #include "engram/pipeline/map_relaxer.h"
 #include "engram/pipeline/pass_gate.h"
+#include "place_lessons.h"
 #include "steps.h"
 
 namespace engram::pipeline {
 
 // Maps of places that remember.
-
-/// A view that a place is to learn.
-struct Lesson {
-  base::PlaceId place;
-  types::Features view;
-  types::RelPose T_place_robot;  ///< where it was taken
-};
 
 /// Recognised, new, or refused. A loop closure enters only if the graph does not deny it.
 class PlaceDecide final : public DecideStep {
@@ -96,7 +90,6 @@ class PlaceRelate final : public RelateStep {
 
  private:
   void joinNew(Run& run, const Verified& verified, base::PlaceId node) const;
-  void holdToMap(Run& run, const Link& link) const;
   bool joinKnown(Run& run, const Verified& verified, const Decision& decision,
                  types::FrameReport& report) const;
 };
@@ -112,12 +105,14 @@ class FollowRelate final : public RelateStep {
 /// its surroundings.
 class PlaceRelax final : public RelaxStep {
  public:
-  explicit PlaceRelax(const Run& run) : relaxer_(run.params.posegraph) {}
+  explicit PlaceRelax(const Run& run)
+      : relaxer_(run.params.posegraph), firstEdge_(run.map.content().nextEdge) {}
   void relax(Run& run, const Relation& relation, types::FrameReport& report) override;
   void finish(Run& run) override;
 
  private:
   MapRelaxer relaxer_;
+  std::uint32_t firstEdge_;  // of this drive
 };
 
 /// The place that a new one is joined to: the anchor, or at wake-up the last one of the map (K-19).

@@ -9,7 +9,6 @@
 #include "view_rules.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace engram::pipeline {
@@ -17,9 +16,8 @@ namespace {
 
 /// Matches of one thing are less spread than this share of all features of the view.
 constexpr double kOneThing = 0.5;
-/// Places looked at beside the one where the robot is.
-constexpr std::size_t kEchoes = 3;
-constexpr double kLandingTurn = 0.15;  // [rad] between where two images put the robot
+/// Places looked at beside the one where the robot is: an image is one witness.
+constexpr std::size_t kEchoes = 1;
 
 }  // namespace
 
@@ -52,8 +50,8 @@ Verified OnePlaceStep::verify(Run& run, const Keyframe& image, Evidence evidence
   report.hypotheses = std::move(evidence.hypotheses);
   Verified verified;
   verified.reason = "no place is probable enough";
-  if (!expected(run, image, verified, report) && !believed(run, image, verified, report) &&
-      !similar(run, image, verified, report))
+  if (!expected(run, image, verified, report) && !sameSpot(run, image, verified, report) &&
+      !believed(run, image, verified, report) && !similar(run, image, verified, report))
     beside(run, image, verified);
   else if (isClosure(run, verified.accepted->place))
     linkAnchor(run, image, verified);
@@ -70,13 +68,31 @@ bool OnePlaceStep::expected(Run& run, const Keyframe& image, Verified& verified,
   Link link{nearest->first, recogniser_->match(run.map, image.features, nearest->first)};
   if (withOdometry(run, link) != Agreement::kAgrees || !strongEnough(link.match, run.params.recognise))
     return false;
-  if (!accepts(run, link, verified)) return false;
+  if (!accepts(run, image, link, verified)) return false;
   verified.links.push_back(link);
   verified.accepted = link;
   if (run.map.hopDistances(link.place, 1).contains(report.bestGuess)) return true;
   recogniser_->confirm(link.place);
   report.bestGuess = link.place;
   report.bestGuessInterpolated = -1;
+  return true;
+}
+
+/// Without odometry on new ground, where the belief leaves out the places just made: a robot that rocks or
+/// turns back is at one of them when nothing but a rotation lies between.
+bool OnePlaceStep::sameSpot(Run& run, const Keyframe& image, Verified& verified, types::FrameReport& report) {
+  if (fit_ != Fit::kTerrain || !run.robot.frontier() || run.robot.metric()) return false;
+  std::optional<Link> best;
+  for (const base::PlaceId place : run.robot.recent()) {
+    const PlaceMatch& match = recogniser_->match(run.map, image.features, place);
+    if (!match.direction_place.isZero() || !strongEnough(match, run.params.recognise)) continue;
+    if (!best || match.matches.size() > best->match.matches.size()) best = Link{place, match};
+  }
+  if (!best) return false;
+  verified.links.push_back(*best);
+  verified.accepted = best;
+  recogniser_->confirm(best->place);
+  report.bestGuess = best->place;
   return true;
 }
 
@@ -87,7 +103,7 @@ bool OnePlaceStep::believed(Run& run, const Keyframe& image, Verified& verified,
         {hypothesis.place, recogniser_->match(run.map, image.features, hypothesis.place)});
     Link found = verified.links.back();
     hypothesis.inliers = static_cast<int>(found.match.matches.size());
-    if (!accepts(run, found, verified)) {
+    if (!accepts(run, image, found, verified)) {
       verified.reason = "the geometry does not confirm the most probable place";
       continue;
     }
@@ -112,7 +128,7 @@ bool OnePlaceStep::similar(Run& run, const Keyframe& image, Verified& verified, 
   if (!best || best->inliers < run.params.recognise.sure_inliers) return false;
   verified.links.push_back({best->place, recogniser_->match(run.map, image.features, best->place)});
   Link found = verified.links.back();
-  if (!accepts(run, found, verified) || ambiguous(run, image, found, verified, report)) return false;
+  if (!accepts(run, image, found, verified) || ambiguous(run, image, found, verified, report)) return false;
   verified.accepted = found;
   recogniser_->confirm(best->place);
   report.bestGuess = best->place;
@@ -156,7 +172,7 @@ void OnePlaceStep::beside(Run& run, const Keyframe& image, Verified& verified) {
   const base::PlaceId near = nearest ? nearest->first : anchor;
   verified.links.push_back({near, recogniser_->match(run.map, image.features, near)});
   Link found = verified.links.back();
-  if (accepts(run, found, verified))
+  if (accepts(run, image, found, verified))
     verified.accepted = found;
   else if (near != anchor && run.robot.frontier())
     verified.links.push_back({anchor, recogniser_->match(run.map, image.features, anchor)});
@@ -165,7 +181,7 @@ void OnePlaceStep::beside(Run& run, const Keyframe& image, Verified& verified) {
 /// The way that odometry expects is evidence, too: a view that agrees with it needs less of its own, and one
 /// that contradicts it needs as much as a loop closure, or another that says the same. Without it, matches
 /// that lie together in the view may be those of one thing that was carried elsewhere.
-bool OnePlaceStep::accepts(Run& run, Link& link, Verified& verified) {
+bool OnePlaceStep::accepts(Run& run, const Keyframe& image, Link& link, Verified& verified) {
   if (!link.match.verified()) return false;
   const Agreement agreement = withOdometry(run, link);
   const auto& params = run.params.recognise;
@@ -175,33 +191,24 @@ bool OnePlaceStep::accepts(Run& run, Link& link, Verified& verified) {
   if (agreement == Agreement::kContradicts) {
     const auto measured = measuredBy(link.match, run.perception.eye());
     link.overrules =
-        measured && contradictions_.agree(run.map.place(link.place).T_map_place * measured->T_a_b,
-                                          T_map_robot(run), 0.5 * run.params.place.spacing);
+        measured &&
+        contradictions_.agree(image.frame.index, run.map.place(link.place).T_map_place * measured->T_a_b,
+                              T_map_robot(run), 0.5 * run.params.place.spacing);
     if (link.overrules) return true;
     verified.doubtful = true;
     if (static_cast<int>(link.match.matches.size()) < params.closure_inliers) return false;
   }
-  return fit_ == Fit::kWay ? fitsWay(run, link) : fitsTerrain(run, link) && mayJoin(run, link);
-}
-
-bool Landings::agree(const Eigen::Isometry3d& T_map_robot, const Eigen::Isometry3d& T_own_robot,
-                     double within) {
-  const auto before = std::exchange(last_, std::pair{T_map_robot, T_own_robot});
-  if (!before) return false;
-  const Eigen::Isometry3d way = before->second.inverse() * T_own_robot;
-  const Eigen::Isometry3d gap = (before->first * way).inverse() * T_map_robot;
-  return gap.translation().norm() < within &&
-         std::abs(Eigen::AngleAxisd(gap.linear()).angle()) < kLandingTurn;
+  return fit_ == Fit::kWay ? fitsWay(run, link) : fitsTerrain(run, link) && mayJoin(run, image, link);
 }
 
 /// Nothing can deny the closure that joins two parts of a map, and all that is mapped hangs on it. Where
 /// places know how far their features are it takes two images whose poses agree with the way between them.
-bool OnePlaceStep::mayJoin(Run& run, const Link& link) {
+bool OnePlaceStep::mayJoin(Run& run, const Keyframe& image, const Link& link) {
   if (!run.robot.metric() || run.joined(run.robot.anchor(), link.place)) return true;
   const auto measured = measuredBy(link.match, run.perception.eye());
   if (!measured) return run.map.place(link.place).memory.features.ranges.empty();
-  return joins_.agree(run.map.place(link.place).T_map_place * measured->T_a_b, T_map_robot(run),
-                      0.5 * run.params.place.spacing);
+  return joins_.agree(image.frame.index, run.map.place(link.place).T_map_place * measured->T_a_b,
+                      T_map_robot(run), 0.5 * run.params.place.spacing);
 }
 
 /// Motion has not led the robot there, and the place that looks most like the image among those far from
@@ -220,6 +227,7 @@ bool OnePlaceStep::ambiguous(Run& run, const Keyframe& image, const Link& link, 
   noteInliers(report.hypotheses, rival);
   if (!match.verified() || rival.inliers < share * static_cast<double>(link.match.matches.size()))
     return false;
+  if (run.joined(link.place, rival.place) && onePose(run, link, {rival.place, match})) return false;
   verified.reason = "ambiguous: places " + std::to_string(link.place.value) + " and " +
                     std::to_string(rival.place.value) + " both explain the image";
   return true;

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/pipeline/landings.h"
 #include "engram/pipeline/recogniser.h"
 #include "engram/pipeline/view_search.h"
 #include "steps.h"
 
-#include <optional>
 #include <utility>
 
 namespace engram::pipeline {
@@ -32,19 +32,6 @@ class IndexStep final : public RecogniseStep {
   ViewSearch search_;
 };
 
-/// Poses that single images measured and that odometry cannot vouch for.
-class Landings {
- public:
-  /// Whether the last image but this one put the robot at the same pose, but for the way between them.
-  /// @param T_map_robot where this one puts it. @param T_own_robot by odometry
-  /// @param within [m] of each other
-  bool agree(const Eigen::Isometry3d& T_map_robot, const Eigen::Isometry3d& T_own_robot, double within);
-  void clear() { last_.reset(); }
-
- private:
-  std::optional<std::pair<Eigen::Isometry3d, Eigen::Isometry3d>> last_;
-};
-
 /// One place after the other, until one is accepted: where odometry puts the robot in known ground; what the
 /// belief proposes in the order of the posterior (A-18, A-E13); then what geometry alone may find (K-15,
 /// K-21); then the place that odometry says, and the one just made. A leap through the map is not taken while
@@ -62,13 +49,14 @@ class OnePlaceStep final : public VerifyStep {
 
  private:
   bool expected(Run& run, const Keyframe& image, Verified& verified, types::FrameReport& report);
+  bool sameSpot(Run& run, const Keyframe& image, Verified& verified, types::FrameReport& report);
   bool believed(Run& run, const Keyframe& image, Verified& verified, types::FrameReport& report);
   bool similar(Run& run, const Keyframe& image, Verified& verified, types::FrameReport& report);
   void beside(Run& run, const Keyframe& image, Verified& verified);
   void linkAnchor(Run& run, const Keyframe& image, Verified& verified);
   void findEchoes(Run& run, const Keyframe& image, Verified& verified);
-  bool accepts(Run& run, Link& link, Verified& verified);
-  bool mayJoin(Run& run, const Link& link);
+  bool accepts(Run& run, const Keyframe& image, Link& link, Verified& verified);
+  bool mayJoin(Run& run, const Keyframe& image, const Link& link);
   bool ambiguous(Run& run, const Keyframe& image, const Link& link, Verified& verified,
                  types::FrameReport& report);
 

@@ -7,6 +7,7 @@
 #include "engram/pipeline/params.h"
 #include "engram/pipeline/perception.h"
 #include "engram/pipeline/place_match.h"
+#include "engram/pipeline/way_scale.h"
 #include "engram/pipeline/whereabouts.h"
 #include "engram/types/frame.h"
 #include "engram/types/frame_report.h"
@@ -27,6 +28,7 @@ struct Run {
   ClosureBook closures;
   Whereabouts robot;
   int session = 0;
+  WayScale scale{};  ///< of the map, by this drive
 
   /// Whether passages of the map join two places.
   bool joined(base::PlaceId a, base::PlaceId b) {

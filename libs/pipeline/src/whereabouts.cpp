@@ -6,10 +6,25 @@
 
 namespace engram::pipeline {
 
-void Whereabouts::turn(const std::optional<Eigen::Isometry3d>& T_odom_robot) {
-  wheels_.move(T_odom_robot);
-  sinceMade_.move(T_odom_robot);
-  sinceMark_.move(T_odom_robot);
+bool Whereabouts::turn(const std::optional<Eigen::Isometry3d>& T_odom_robot, double stamp) {
+  T_odom_robot_ = T_odom_robot;
+  if (T_odom_robot && watch_.leaps(*T_odom_robot, stamp)) {
+    stray();
+    return false;
+  }
+  for (DeadReckoning* way : {&wheels_, &sinceMade_, &sinceMark_}) way->move(T_odom_robot);
+  return true;
+}
+
+void Whereabouts::wheelsFailed() {
+  watch_.frozen();
+  stray();
+}
+
+void Whereabouts::stray() {
+  strayed_ = true;
+  for (DeadReckoning* way : {&wheels_, &sinceMade_, &sinceMark_})
+    if (T_odom_robot_) way->leap(*T_odom_robot_);
 }
 
 void Whereabouts::see(const types::RelPose& T_anchor_robot, double stamp, bool keyframe) {
@@ -37,6 +52,7 @@ std::optional<types::RelPose> Whereabouts::motion() const {
 void Whereabouts::made(base::PlaceId place, double stamp, const types::Matrix6d& cov) {
   anchor_ = made_ = place;
   anchoredBy_ = {};
+  strayed_ = false;
   anchorStamp_ = seenStamp_ = stamp;
   sinceAnchor_ = 0;
   imagesSinceAnchor_ = 0;
@@ -49,6 +65,7 @@ void Whereabouts::made(base::PlaceId place, double stamp, const types::Matrix6d&
 void Whereabouts::backAt(base::PlaceId place, const types::RelPose& T_place_robot, bool agrees) {
   agreeing_ = agrees ? agreeing_ + 1 : 1;
   anchor_ = place;
+  strayed_ = false;
   sinceAnchor_ = 0;
   imagesSinceAnchor_ = 0;
   T_anchor_keyframe_ = T_anchor_robot_ = T_place_robot;

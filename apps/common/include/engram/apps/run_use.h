@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engram/odometry/stereo_check.h"
+#include "engram/pipeline/odometry_watch.h"
 #include "engram/types/frame_report.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -60,5 +61,8 @@ class EyeWatch {
   int pairs_ = 0;  // looked at when this fault was first found
   bool said_ = false;
 };
+
+/// {leaps, frozen, heading_ratio, …, fault} of wheel odometry; null for a run that had none.
+nlohmann::json toJson(const pipeline::OdometryHealth& health);
 
 }  // namespace engram::apps

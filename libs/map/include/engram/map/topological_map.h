@@ -36,6 +36,8 @@ class TopologicalMap {
   /// that name features no longer remembered are dropped.
   EdgeId addEdge(Edge edge);
   void removeEdge(EdgeId id);
+  /// The way of an edge becomes `factor` > 0 times as long: what measured it counts metres otherwise.
+  void stretchEdge(EdgeId id, double factor);
   void addPathPoint(const PathPoint& point);
   /// Drops the path of all drives before this one; the map itself stays.
   void forgetPath(int firstKeptSession);

@@ -25,6 +25,8 @@ class DeadReckoning {
   /// Takes the odometry of a new image, if it has any. The wheels count on while odometry is missing: the
   /// step over such a gap is what they counted.
   void move(const std::optional<Eigen::Isometry3d>& T_odom_robot);
+  /// Takes odometry that no motion led to: the wheels count from there, and the way up to it is unknown.
+  void leap(const Eigen::Isometry3d& T_odom_robot);
 
   /// The robot is now at T_anchor_robot from the anchor, with this covariance.
   void reset(const Eigen::Isometry3d& T_anchor_robot, const types::Matrix6d& cov);

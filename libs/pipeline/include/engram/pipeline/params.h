@@ -74,7 +74,12 @@ struct OdometryParams {
   double sigma_heading_per_metre = 0.01;   ///< [rad/m]
   double sigma_heading_per_radian = 0.03;  ///< [rad/rad]
   double sigma_floor = 0.01;               ///< [m] and [rad]: no edge is stiffer
+  double sigma_scale = 0.01;               ///< [m/m] of the wheel radius, over drives
   double max_drift = 0.1;  ///< [m/m] localising: of the way between two accepted places; more is a leap
+  // What the robot can do. Odometry that says more leaps: its counter was reset, or a reading is wild.
+  double max_speed = 40;                    ///< [m/s]
+  double max_acceleration = 2.5;            ///< [m/s^2]
+  double max_turn_rate = 4.71238898038469;  ///< [rad/s]
 
   void describe(base::Params& p);
 };

@@ -4,6 +4,7 @@
 
 #include "engram/map/topological_map.h"
 #include "engram/odometry/stereo_check.h"
+#include "engram/pipeline/odometry_watch.h"
 #include "engram/pipeline/params.h"
 #include "engram/pipeline/recipe.h"
 #include "engram/types/frame.h"
@@ -53,6 +54,8 @@ class Pipeline {
   map::MapHeader header() const;
   /// What the pairs so far say of the eyes of a stereo camera; none for another camera.
   std::optional<odometry::StereoHealth> eyes() const;
+  /// What wheel odometry was worth so far.
+  const OdometryHealth& wheels() const;
 
  private:
   std::unique_ptr<Run> run_;

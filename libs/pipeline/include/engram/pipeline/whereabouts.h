@@ -4,6 +4,7 @@
 
 #include "engram/map/topological_map.h"
 #include "engram/pipeline/dead_reckoning.h"
+#include "engram/pipeline/odometry_watch.h"
 #include "engram/types/rel_pose.h"
 
 #include <optional>
@@ -17,10 +18,25 @@ class Whereabouts {
  public:
   /// @param wheels whether wheel odometry counts. @param frontier the robot begins on new ground
   Whereabouts(const OdometryParams& params, bool wheels, bool frontier)
-      : countsWheels_(wheels), wheels_(params), sinceMade_(params), sinceMark_(params), frontier_(frontier) {}
+      : countsWheels_(wheels),
+        watch_(params),
+        wheels_(params),
+        sinceMade_(params),
+        sinceMark_(params),
+        frontier_(frontier) {}
 
-  /// Move: what the wheels counted up to this image.
-  void turn(const std::optional<Eigen::Isometry3d>& T_odom_robot);
+  /// Move: what the wheels counted up to this image. False when odometry leapt: the way is unknown then.
+  bool turn(const std::optional<Eigen::Isometry3d>& T_odom_robot, double stamp);
+  /// The wheels stand, the images say that the robot moves: the way since the last image is unknown.
+  void wheelsFailed();
+  /// Whether either happened since the anchor.
+  bool strayed() const { return strayed_; }
+  /// How often either happened: odometry is of one piece while this number stays.
+  int piece() const { return watch_.health().leaps + watch_.health().frozen; }
+  /// Odometry of this image.
+  const std::optional<Eigen::Isometry3d>& odometry() const { return T_odom_robot_; }
+  OdometryWatch& watch() { return watch_; }
+  const OdometryWatch& watch() const { return watch_; }
   /// Move: what visual odometry says, from the anchor. A keyframe is what it goes on from.
   void see(const types::RelPose& T_anchor_robot, double stamp, bool keyframe);
   /// Visual odometry has lost the way, or there is none.
@@ -81,10 +97,14 @@ class Whereabouts {
   void deny(const std::vector<base::EdgeId>& closures);
 
  private:
-  bool countsWheels_;
-  DeadReckoning wheels_;     // from the anchor
-  DeadReckoning sinceMade_;  // from the place made last: wheels alone
-  DeadReckoning sinceMark_;  // from the marked place: wheels alone
+  void stray();
+
+  bool countsWheels_, strayed_ = false;
+  OdometryWatch watch_;
+  std::optional<Eigen::Isometry3d> T_odom_robot_;  // of this image
+  DeadReckoning wheels_;                           // from the anchor
+  DeadReckoning sinceMade_;                        // from the place made last: wheels alone
+  DeadReckoning sinceMark_;                        // from the marked place: wheels alone
   bool frontier_;
   bool restarted_ = false;  // since the last keyframe
   base::PlaceId anchor_, made_, marked_;

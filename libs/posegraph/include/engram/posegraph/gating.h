@@ -16,7 +16,7 @@ struct GateParams {
   double gate_inflation = 1.5;      ///< factor on the standard deviations of odometry
   double gate_lone_sigma = 1.0;     ///< [m]
   double gate_support_sigma = 2.0;  ///< [m]
-  int gate_support = 3;
+  int gate_support = 2;
   double review_inflation = 2.0;
   void describe(base::Params& p);
 };
