@@ -3,6 +3,7 @@
 #include "world_program.h"
 
 #include "engram/apps/checks.h"
+#include "engram/apps/config_file.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
 #include "engram/base/error.h"
@@ -91,8 +92,7 @@ void WorldProgram::declare(CLI::App& app) {
 }
 
 void WorldProgram::readConfig() {
-  base::IniFile ini =
-      config_.empty() ? base::IniFile::parse("", "command line") : base::IniFile::load(config_);
+  base::IniFile ini = config_.empty() ? base::IniFile::parse("", "command line") : loadConfig(config_);
   for (const auto& assignment : overrides_) ini.override(assignment);
   base::Config config;
   config.bind("change", params_.change);

@@ -49,6 +49,9 @@ int parseAndRun(Program& program, const std::vector<std::string>& arguments, std
   CLI::App app(program.description(), program.name());
   app.footer("Examples:\n" + program.examples() +
              "\nExit codes: 0 ok, 1 error, 2 usage, 3 stopped early, what was done is kept.");
+  app.set_help_all_flag("--help-all", "Print this and the help of all subcommands, and exit");
+  app.set_version_flag("--version", program.name() + " (Engram) " ENGRAM_VERSION,
+                       "Print the version and exit");
   program.declare(app);
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
@@ -124,7 +127,7 @@ void CommandProgram::declare(CLI::App& app) {
 int CommandProgram::run(std::ostream& out, std::ostream& err) { return chosen_->run(out, err); }
 
 void ConfigOptions::declare(CLI::App& app) {
-  app.add_option("config", file, "Configuration (.ini); see the folder config/")->required();
+  app.add_option("config", file, "Configuration: a file (.ini), or a name such as fsh_omni")->required();
   app.add_option("--set", overrides, "Override one key: section.key=value (repeatable)")
       ->take_all()
       ->allow_extra_args(false);

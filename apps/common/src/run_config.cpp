@@ -2,14 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/apps/run_config.h"
 
+#include "engram/apps/config_file.h"
 #include "engram/capture/sensor_reader.h"
 
-#include <algorithm>
-#include <filesystem>
 #include <ostream>
 
 namespace engram::apps {
-namespace fs = std::filesystem;
 
 void RunConfig::declare(CLI::App& app) {
   options.declare(app);
@@ -31,11 +29,8 @@ void RunConfig::bind(base::Config& config) {
 bool RunConfig::load(std::ostream& out) {
   base::Config config;
   bind(config);
-  base::IniFile ini = base::IniFile::load(options.file);
+  base::IniFile ini = loadConfig(options.file);
   const base::IniFile file = ini;
-  const auto isCamera = [](const std::string& s) { return s.rfind("camera.file=", 0) == 0; };
-  const bool cameraOverridden =
-      std::any_of(options.overrides.begin(), options.overrides.end(), isCamera) || !cameraFile.empty();
   for (const auto& assignment : options.overrides) ini.override(assignment);
   if (!cameraFile.empty()) ini.override("camera.file=" + cameraFile);
   if (!liveSection.empty()) {
@@ -47,9 +42,6 @@ bool RunConfig::load(std::ostream& out) {
   pipeline::requireEffect(ini, pipeline, "--set");
   requireEffect(file);
 
-  auto& camera = pipeline.camera.file;
-  if (!camera.empty() && !cameraOverridden && fs::path(camera).is_relative())
-    camera = (fs::path(options.file).parent_path() / camera).lexically_normal().string();
   if (!options.dump) return false;
   out << dump(config);
   if (liveSection.empty()) return true;
