@@ -3,6 +3,7 @@
 #include "engram/cameras/camera_rig.h"
 
 #include "engram/base/atomic_file.h"
+#include "engram/cameras/camera_import.h"
 #include "mrpt_stereo.h"
 #include "rig_text.h"
 
@@ -41,7 +42,9 @@ CameraRig parseCamera(const std::string& text, const std::string& name) {
   return camera.rig();
 }
 
-CameraRig loadCamera(const std::string& path) { return parseCamera(readCalibrationFile(path), path); }
+CameraRig loadCamera(const std::string& path) {
+  return isForeignCalibration(path) ? importCamera(path) : parseCamera(readCalibrationFile(path), path);
+}
 
 std::string toText(const CameraRig& rig) { return toText(rig, RigSections{}, true); }
 

@@ -31,12 +31,19 @@ class Source final : public RawlogSource {
       : path_(path), params_(params), folder_(imagesFolder(path, params)), parser_(path) {}
 
   std::optional<types::Frame> next() override;
-  double progress() const override { return finished_ && pending_.empty() ? 1.0 : parser_.progress(); }
+  /// By images: those that are read but wait to be delivered are still to come.
+  double progress() const override {
+    const auto read = static_cast<double>(stats_.images + pending_.size());
+    return read > 0 ? parser_.progress() * static_cast<double>(stats_.images) / read : parser_.progress();
+  }
   std::string problem() const override {
     return describeProblem(path_, parser_.damage(), stats_, params_, label_.value_or(""));
   }
   const RawlogStats& stats() const override { return stats_; }
   const std::optional<cameras::StereoRig>& calibration() const override { return calibration_; }
+  std::optional<cameras::CameraRig> camera() const override {
+    return camera_ ? std::optional(toRig(*camera_)) : std::nullopt;
+  }
   std::string damage() const override { return parser_.damage(); }
 
  private:
@@ -75,6 +82,7 @@ class Source final : public RawlogSource {
   std::deque<ImageRecord> pending_;
   std::deque<ImageRecord> rights_;  // of a camera of its own, waiting for their left ones
   std::optional<cameras::StereoRig> calibration_;
+  std::optional<RecordedCamera> camera_;
 
   Kind kind_ = Kind::kUnknown;
   std::optional<std::string> odometryLabel_;
@@ -279,6 +287,7 @@ std::optional<types::Frame> Source::deliver(ImageRecord record) {
     calibration_.reset();
     if (record.camera && record.rightCamera) calibration_ = toStereoRig(*record.camera, *record.rightCamera);
   }
+  camera_ = record.stereo ? std::nullopt : record.camera;
   frame.index = stats_.images++;
   frame.stamp = record.stamp;
   frame.label = record.image.kind == EncodedImage::Kind::kExternal ? record.image.path : record.label;
