@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <set>
+#include <sstream>
 
 namespace engram::apps {
 namespace fs = std::filesystem;
@@ -38,6 +39,10 @@ std::vector<std::string> configFolders() {
   std::error_code status;
   const fs::path program = fs::read_symlink("/proc/self/exe", status);
   if (!status) folders.push_back((program.parent_path().parent_path() / "share/engram").string());
+  const std::string shares = variable("XDG_DATA_DIRS");
+  std::istringstream in(shares.empty() ? "/usr/local/share:/usr/share" : shares);
+  for (std::string share; std::getline(in, share, ':');)
+    if (!share.empty()) folders.push_back(share + "/engram");
   return folders;
 }
 

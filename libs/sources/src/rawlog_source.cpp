@@ -31,11 +31,7 @@ class Source final : public RawlogSource {
       : path_(path), params_(params), folder_(imagesFolder(path, params)), parser_(path) {}
 
   std::optional<types::Frame> next() override;
-  /// By images: those that are read but wait to be delivered are still to come.
-  double progress() const override {
-    const auto read = static_cast<double>(stats_.images + pending_.size());
-    return read > 0 ? parser_.progress() * static_cast<double>(stats_.images) / read : parser_.progress();
-  }
+  double progress() const override { return progress_; }
   std::string problem() const override {
     return describeProblem(path_, parser_.damage(), stats_, params_, label_.value_or(""));
   }
@@ -50,6 +46,7 @@ class Source final : public RawlogSource {
   enum class Kind { kUnknown, kObservation, kAction };
 
   void readOne();
+  void noteProgress();
   void take(ImageRecord&& record);
   void take(const OdometryRecord& record);
   void take(const ActionRecord& record);
@@ -74,6 +71,7 @@ class Source final : public RawlogSource {
   RawlogParser parser_;
   RawlogStats stats_;
   bool finished_ = false;
+  double progress_ = 0.0;
   bool hasStamp_ = false;
 
   std::optional<std::string> label_;  // of the camera in use
@@ -100,11 +98,21 @@ std::optional<types::Frame> Source::next() {
     while (!pending_.empty() && (finished_ || ready(pending_.front()))) {
       ImageRecord record = std::move(pending_.front());
       pending_.pop_front();
-      if (auto frame = deliver(std::move(record))) return frame;
+      auto frame = deliver(std::move(record));
+      noteProgress();
+      if (frame) return frame;
     }
+    noteProgress();
     if (finished_) return std::nullopt;
     readOne();
   }
+}
+
+/// By images: those that are read but wait to be delivered are still to come.
+void Source::noteProgress() {
+  const auto read = static_cast<double>(stats_.images + pending_.size());
+  const double share = read > 0 ? static_cast<double>(stats_.images) / read : 1.0;
+  progress_ = std::max(progress_, share * parser_.progress());
 }
 
 void Source::readOne() {

@@ -10,8 +10,9 @@
 namespace engram::apps {
 
 /// Where configurations are looked for by name, in this order: `$XDG_CONFIG_HOME/engram`
-/// (`~/.config/engram`), and the folder `share/engram` beside that of the running program, so that an
-/// installation may be moved. In a build tree that folder is a link to config/.
+/// (`~/.config/engram`); the folder `share/engram` beside that of the running program, so that an
+/// installation may be moved (in a build tree it is a link to config/); `engram` in `$XDG_DATA_DIRS`
+/// (`/usr/local/share`, `/usr/share`).
 std::vector<std::string> configFolders();
 
 /// The names of the configurations in these folders, without `.ini`, sorted.
