@@ -14,7 +14,7 @@ if [ -e "$out" ] && [ ! -e "$out/$mark" ] && [ -n "$(ls -A "$out" 2>/dev/null ||
   echo "$0: $out is there already, and no demo made it; name another folder, or remove it yourself" >&2
   exit 1
 fi
-echo "Takes about a minute; the first time also some 15 minutes of processor time to build, and 0.4 GB of disk beside the packages."
+echo "Takes about a minute; the first time also some 20 minutes of processor time to build, and 0.4 GB of disk beside the packages."
 engram_install_packages
 engram_build release engram_programs
 bin=build/release/bin

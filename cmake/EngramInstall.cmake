@@ -20,8 +20,10 @@ foreach(config ${configs})
 endforeach()
 install(DIRECTORY ${PROJECT_BINARY_DIR}/installed_config/ ${PROJECT_SOURCE_DIR}/share/cameras
         DESTINATION ${CMAKE_INSTALL_DATADIR}/engram COMPONENT programs FILES_MATCHING PATTERN *.ini)
-install(FILES README.md CHANGELOG.md LICENSE TYPE DOC COMPONENT programs)
-install(DIRECTORY docs TYPE DOC COMPONENT programs)
+# The pages find each other as in the sources.
+install(FILES README.md CHANGELOG.md CONTRIBUTING.md LICENSE TYPE DOC COMPONENT programs)
+install(DIRECTORY docs examples TYPE DOC COMPONENT programs)
+install(DIRECTORY share/figures DESTINATION ${CMAKE_INSTALL_DOCDIR}/share COMPONENT programs)
 
 # engramConfig.cmake, for find_package(engram).
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/engram)

@@ -113,8 +113,9 @@ void PackCommand::declare(CLI::App& app) {
   app.add_flag("--overwrite", writer_.overwrite, "Replace the rawlog if it exists");
   app.add_option(
          "--camera", camera_,
-         "Calibration of the images; default: equirectangular of their size. That of a stereo camera "
-         "goes into the rawlog. Also of OpenCV, ROS, EuRoC (cam0.yaml,cam1.yaml) and KITTI (calib.txt)")
+         "Calibration of the images; default: equirectangular of their size. That of a pinhole or a stereo "
+         "camera goes into the rawlog. Also of OpenCV, ROS, EuRoC (cam0.yaml,cam1.yaml) and KITTI "
+         "(calib.txt)")
       ->type_name("FILE");
   app.add_option("--reproject", reproject_, "Calibration of the camera to show the images through")
       ->type_name("FILE");
@@ -164,6 +165,8 @@ void PackCommand::prepare() {
   if (to_ && wanted_) to_ = scaledRig(*to_, *wanted_);
   if (!saveCamera_.empty() && !to_ && !from_)
     throw UsageError("--save-camera needs --camera or --reproject: which calibration should be written?");
+  if (!writer_.stereo)
+    writer_.camera = to_ || !from_ || !wanted_ ? (to_ ? to_ : from_) : scaledRig(*from_, *wanted_);
   requireNew(saveCamera_, writer_.overwrite);
   requireNew(out_, writer_.overwrite);
   base::requireWritable(common_.json);

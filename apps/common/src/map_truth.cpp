@@ -29,7 +29,7 @@ evaluation::FrameRef reference(const map::Place& place) {
 
 MapTruth::MapTruth(const std::string& path, const evaluation::TruthOptions& options)
     : truth_(evaluation::Truth::load(path, options)) {
-  if (hasPoses()) poses_ = evaluation::readTum(path);
+  if (hasPoses()) poses_ = evaluation::readPoses(path);
 }
 
 void MapTruth::note(const types::FrameReport& report) { match_.addImage(truth_, reference(report)); }
