@@ -113,6 +113,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     if (!drive.replayed()) stream_.sendMapped(report, *frame, mapper.map());
     say(eyes_.after(mapper.eyes()), err);
     figures.add(report, mapper.map(), truth ? &*truth : nullptr);
+    if (!report_.empty()) pictures_.add(report, *frame);
     window_.after(*frame, report, mapper.map());
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
   }
@@ -185,6 +186,7 @@ void SlamProgram::writeReport(const store::MapFile& file, const map::Topological
   page.header = &file.header();
   page.map = &map;
   page.records = records;
+  page.pictures = pictures_.all();
   base::writeText((folder / "images.jsonl").string(), lines, true);
   base::writeText((folder / "index.html").string(), exporters::toHtml(page), true);
   exporters::writeScene((folder / "map.3Dscene").string(), map, {.images = true, .overwrite = true});

@@ -6,6 +6,7 @@
 #include "../sources/rawlog_fixture.h"
 #include "engram/cameras/camera_rig.h"
 #include "engram/store/map_file.h"
+#include "report_pictures.h"
 #include "run_fixture.h"
 
 #include <gmock/gmock.h>
@@ -123,6 +124,36 @@ TEST_F(ImagesRunTest, TheCalibrationOfARawlogIsUsed) {
                                 path("n.engram"), "-q", "--set", "camera.image_width=0"});
   EXPECT_EQ(named.code, kOk) << named.err;
   EXPECT_THAT(cameraOf(path("n.engram")), Not(HasSubstr("fx = 222")));
+}
+
+TEST_F(ImagesRunTest, TheReportShowsWhatWasRecognisedBesideItsPlace) {
+  const RunResult run = slam(
+      {config(), "--rawlog", rawlog(2), "--map", mapCopy(), "--extend", "--report", path("report"), "-q"});
+  ASSERT_EQ(run.code, kOk) << run.err;
+  const std::string page = bytesOf(path("report/index.html"));
+  std::size_t pictures = 0;
+  for (auto at = page.find("src=\"data:image/jpeg"); at != std::string::npos;
+       at = page.find("src=\"", at + 1))
+    ++pictures;
+  EXPECT_GE(pictures, 10u);
+  EXPECT_LE(pictures, 2 * 24u);
+  EXPECT_EQ(pictures % 2, 0u);
+  EXPECT_THAT(page, HasSubstr("matches agree with one motion of the camera"));
+}
+
+/// However long the drive is, from its beginning to its end.
+TEST(ReportPictures, AreSomeAllAlongTheDrive) {
+  ReportPictures pictures;
+  types::Frame frame;
+  frame.image = cv::Mat(30, 40, CV_8U, cv::Scalar(90));
+  types::FrameReport report;
+  report.outcome = types::Outcome::kRecognised;
+  for (report.index = 0; report.index < 10000; ++report.index) pictures.add(report, frame);
+  const auto all = pictures.all();
+  EXPECT_LE(all.size(), ReportPictures::kMost);
+  EXPECT_GE(all.size(), ReportPictures::kMost / 2);
+  EXPECT_EQ(all.begin()->first.first, 0u);
+  EXPECT_GT(all.rbegin()->first.first, 9000u);
 }
 
 TEST_F(ImagesRunTest, CalibrationsOfOthersAreRead) {

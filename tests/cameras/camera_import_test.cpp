@@ -7,6 +7,8 @@
 #include "engram/cameras/rectifier.h"
 
 #include <gmock/gmock.h>
+#include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/img/TCamera.h>
 #include <opencv2/core.hpp>
 
 #include <filesystem>
@@ -183,6 +185,22 @@ TEST_F(CameraImport, OpenCvAsItsFileStorageWritesIt) {
                                  .p2 = 2e-3};
     EXPECT_EQ(dynamic_cast<const Pinhole&>(*rig.camera).plane(), plane);
   }
+}
+
+TEST_F(CameraImport, MrptAsItWritesOneCamera) {
+  mrpt::img::TCamera camera;
+  camera.ncols = 640;
+  camera.nrows = 480;
+  camera.setIntrinsicParamsFromValues(500, 510, 320, 240);
+  camera.setDistortionPlumbBob(0.1, -0.05, 1e-3, 2e-3, 0.01);
+  mrpt::config::CConfigFileMemory file;
+  camera.saveToConfigFile("CAMERA_PARAMS", file);
+  const CameraRig rig = loadCamera(write("mrpt.ini", file.getContent() + "[mount]\nz = 1.5\n"));
+  const ImagePlaneParams plane{
+      .fx = 500, .fy = 510, .cx = 320, .cy = 240, .k1 = 0.1, .k2 = -0.05, .k3 = 0.01, .p1 = 1e-3, .p2 = 2e-3};
+  EXPECT_EQ(dynamic_cast<const Pinhole&>(*rig.camera).plane(), plane);
+  EXPECT_EQ(rig.camera->imageSize(), cv::Size(640, 480));
+  EXPECT_EQ(rig.T_robot_cam.translation(), Eigen::Vector3d(0, 0, 1.5));
 }
 
 TEST_F(CameraImport, OwnFilesAreNotForeign) {

@@ -52,4 +52,14 @@ run(${CMAKE_COMMAND} -S ${ROOT}/examples -B ${WORK}/example -DCMAKE_BUILD_TYPE=R
 run(${CMAKE_COMMAND} --build ${WORK}/example)
 run(${WORK}/example/localise ${WORK}/tiny.engram ${WORK}/world/session_01.rawlog)
 expect("recognised, place [0-9]+ with [0-9.]+, at +-?[0-9.]+ +-?[0-9.]+ m")
+
+# As a part of another project Engram builds no tests.
+file(WRITE ${WORK}/super/CMakeLists.txt
+     "cmake_minimum_required(VERSION 3.25)\nproject(super LANGUAGES CXX C)\nadd_subdirectory(${ROOT} engram)\n")
+run(${CMAKE_COMMAND} -S ${WORK}/super -B ${WORK}/super/build)
+run(${CMAKE_COMMAND} --build ${WORK}/super/build --target help)
+expect("engram-slam")
+if(out MATCHES "_test")
+  message(FATAL_ERROR "a subproject has tests:\n${out}")
+endif()
 file(REMOVE_RECURSE ${WORK})

@@ -33,6 +33,7 @@ CameraRig makeRig(std::shared_ptr<const Camera> camera) {
 CameraRig parseCamera(const std::string& text, const std::string& name) {
   const base::IniFile ini = base::IniFile::parse(text, name);
   if (isMrptStereo(ini)) return readMrptStereo(ini).left;
+  if (auto rig = readMrptCamera(ini)) return *std::move(rig);
   base::Config config;
   RigText camera(ini);
   camera.bind(config);

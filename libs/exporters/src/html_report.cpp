@@ -209,7 +209,7 @@ std::string toHtml(const HtmlReport& report) {
   if (report.map != nullptr && !report.map->empty()) {
     page.heading("Map").append(mapChart(*report.map));
     page.note("Thin lines are the robot's path, one colour a session. Point at a place for its memory.");
-    addPicturePairs(page, *report.map, report.records);
+    addPicturePairs(page, report);
     addMemory(page, *report.map);
   }
   if (!report.records.empty()) addRecords(page, report.records);

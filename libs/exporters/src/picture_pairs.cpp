@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 #include <vector>
 
 namespace engram::exporters {
@@ -17,7 +18,8 @@ constexpr std::size_t kMostPairs = 24;  // a page of a few hundred kilobytes
 
 struct Pair {
   const types::FrameReport* image = nullptr;
-  const map::View *now = nullptr, *before = nullptr;
+  const std::vector<std::uint8_t>* now = nullptr;  // JPEG
+  const map::View* before = nullptr;
 };
 
 std::string base64(std::span<const std::uint8_t> bytes) {
@@ -45,25 +47,33 @@ map::PlaceId knownPlace(const types::FrameReport& r) {
   return r.outcome == types::Outcome::kNewPlace ? r.bestGuess : r.place;
 }
 
-std::vector<Pair> pairsOf(const map::TopologicalMap& map, std::span<const types::FrameReport> records,
-                          bool closures) {
-  const auto pictures = picturesOf(map);
+/// The picture of an image: among those at hand, or the thumbnail of a view that it became.
+const std::vector<std::uint8_t>* pictureOf(const types::FrameReport& r, const Pictures& atHand,
+                                           const std::vector<const map::View*>& views) {
+  if (const auto found = atHand.find({r.index, r.stamp}); found != atHand.end()) return &found->second;
+  for (const map::View* view : views)
+    if (view->frameIndex == r.index && view->stamp == r.stamp) return &view->jpeg;
+  return nullptr;
+}
+
+std::vector<Pair> pairsOf(const HtmlReport& report, bool closures) {
+  const auto pictures = picturesOf(*report.map);
   std::vector<Pair> pairs;
-  for (const auto& r : records) {
+  for (const auto& r : report.records) {
     if (closures ? !r.closure : r.outcome != types::Outcome::kRecognised) continue;
     const auto here = pictures.find(r.place), there = pictures.find(knownPlace(r));
-    if (here == pictures.end() || there == pictures.end()) continue;
-    Pair pair{.image = &r};
-    for (const map::View* view : here->second)
-      if (view->frameIndex == r.index && view->stamp == r.stamp) pair.now = view;
-    pair.before = there->second.front();
-    if (pair.now != nullptr && pair.now != pair.before) pairs.push_back(pair);
+    if (there == pictures.end()) continue;
+    const std::vector<const map::View*> none;
+    Pair pair{.image = &r,
+              .now = pictureOf(r, report.pictures, here == pictures.end() ? none : here->second),
+              .before = there->second.front()};
+    if (pair.now != nullptr && pair.now != &pair.before->jpeg) pairs.push_back(pair);
   }
   return pairs;
 }
 
-std::string picture(const map::View& view, const std::string& words) {
-  return "<img alt=\"" + charts::escaped(words) + "\" src=\"data:image/jpeg;base64," + base64(view.jpeg) +
+std::string picture(const std::vector<std::uint8_t>& jpeg, const std::string& words) {
+  return "<img alt=\"" + charts::escaped(words) + "\" src=\"data:image/jpeg;base64," + base64(jpeg) +
          "\" style=\"width:49%;max-width:320px\"/>";
 }
 
@@ -77,17 +87,16 @@ std::string figure(const Pair& pair) {
                                  [&](const auto& h) { return h.place == pair.before->place; });
   if (best != r.hypotheses.end() && best->inliers >= 0)
     words += " " + std::to_string(best->inliers) + " matches agree with one motion of the camera.";
-  return "<figure>" + picture(*pair.now, now) + " " + picture(*pair.before, before) + "<figcaption>" +
+  return "<figure>" + picture(*pair.now, now) + " " + picture(pair.before->jpeg, before) + "<figcaption>" +
          charts::escaped(words) + "</figcaption></figure>\n";
 }
 
 }  // namespace
 
-void addPicturePairs(charts::Page& page, const map::TopologicalMap& map,
-                     std::span<const types::FrameReport> records) {
-  auto pairs = pairsOf(map, records, true);
+void addPicturePairs(charts::Page& page, const HtmlReport& report) {
+  auto pairs = pairsOf(report, true);
   const bool closures = !pairs.empty();
-  if (!closures) pairs = pairsOf(map, records, false);
+  if (!closures) pairs = pairsOf(report, false);
   if (pairs.empty()) return;
   page.heading(closures ? "Closures" : "Recognised places");
   const std::size_t every = (pairs.size() + kMostPairs - 1) / kMostPairs;

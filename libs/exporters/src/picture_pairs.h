@@ -3,17 +3,13 @@
 #pragma once
 
 #include "engram/charts/page.h"
-#include "engram/map/topological_map.h"
-#include "engram/types/frame_report.h"
-
-#include <span>
+#include "engram/exporters/html_report.h"
 
 namespace engram::exporters {
 
-/// For closures, and for images recognised where there are no closures: the image beside the picture that the
-/// place had before, as far as the map keeps thumbnails; of many, some all along the drive. Adds nothing
-/// where there is none.
-void addPicturePairs(charts::Page& page, const map::TopologicalMap& map,
-                     std::span<const types::FrameReport> records);
+/// For closures, and for images recognised where there are no closures: the image beside the first picture
+/// that the map keeps of the place; of many, some all along the drive. Adds nothing where the report has no
+/// such pictures.
+void addPicturePairs(charts::Page& page, const HtmlReport& report);
 
 }  // namespace engram::exporters
