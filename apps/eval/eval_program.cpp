@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "eval_program.h"
 
+#include "bench/bench_command.h"
 #include "images/images_command.h"
 #include "memory/memory_command.h"
 #include "odometry/odometry_command.h"
@@ -18,6 +19,7 @@ EvalProgram::EvalProgram() {
   add(std::make_unique<WordsCommand>());
   add(std::make_unique<ViewsCommand>());
   add(std::make_unique<OdometryCommand>());
+  add(std::make_unique<BenchCommand>());
 }
 
 std::string EvalProgram::description() const {
