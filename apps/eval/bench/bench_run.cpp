@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <limits>
 #include <malloc.h>
 #include <unistd.h>
 
@@ -102,6 +103,7 @@ class MapBench {
     const map::TopologicalMap map = load(file_);
     pipeline::PipelineParams exact = params_;
     exact.recognise.scorer = "ltm_match";
+    exact.recognise.exhaustive_places = std::numeric_limits<int>::max();
     const auto in = Recogniser::Mode::kLocalisation;
     Recogniser fast(params_, in), slow(exact, in);
     fast.load(map);

@@ -10,6 +10,24 @@ namespace engram::belief {
 
 inline double gaussian(double x, double sigma) { return std::exp(-0.5 * (x / sigma) * (x / sigma)); }
 
+/// The sum of each layer, from its first value to its last. Several at a time: a sum waits for itself.
+std::vector<double> sums(const Layers& layers);
+
+/// The places around each place, kept from image to image: only where the map has changed they are sought
+/// anew.
+class Neighbourhoods {
+ public:
+  /// Takes over what has changed; at least those within `radius` hops are known then.
+  void follow(const Adjacency& adjacency, int radius);
+  /// As HopSearch::within() gives them, but perhaps some that are further at the end.
+  const std::vector<Hop>& of(std::size_t place) const { return around_[place]; }
+
+ private:
+  int radius_ = -1;
+  std::vector<std::vector<int>> neighbours_;  // of each place, as they were
+  std::vector<std::vector<Hop>> around_;
+};
+
 /// F eq (7): a Gaussian on hops, see F-E2. Knows nothing but the place.
 class BlindMotion : public MotionModel {
  public:
@@ -19,6 +37,7 @@ class BlindMotion : public MotionModel {
 
  private:
   BeliefParams params_;
+  Neighbourhoods around_;
 };
 
 /// The layers are steps along the chain of places. A step is like the one before, or drawn from a
@@ -38,6 +57,7 @@ class ChainMotion : public MotionModel {
   double size(std::size_t k) const;
 
  private:
+  static std::vector<std::vector<int>> stepsAlong(const Adjacency& adjacency, int furthest);
   Layers choose(const Layers& from, const MotionHint& hint) const;
   std::vector<double> moveAlong(const Adjacency& adjacency, const Layers& from, Layers& to) const;
 
@@ -57,6 +77,7 @@ class OdometryMotion : public MotionModel {
   double share(std::size_t) const override { return 1.0 / params_.advance_headings; }
   void reset() override;
   void move(const Adjacency& adjacency, const Layers& from, const MotionHint& hint, Layers& to) override;
+  bool seesAll() const override { return params_.view_sigma <= 0 || headings_.empty(); }
   double visible(std::size_t layer, std::size_t place) const override;
 
  private:

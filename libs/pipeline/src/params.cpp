@@ -30,6 +30,9 @@ void RecogniseParams::describe(base::Params& p) {
               "what scores the places: matches with long-term features, votes of the words of an incremental "
               "dictionary, or of those of a vocabulary tree",
               {"ltm_match", "tfidf_incremental", "vocabulary_tree"});
+  p.add("exhaustive_places", exhaustive_places,
+        "ltm_match: in a map of more places an index proposes those that are matched", {1, 1e9});
+  p.add("proposals", proposals, "ltm_match: places that the index proposes", {1, 1e6});
   p.add("rescore", rescore,
         "tfidf_incremental: so many places with the most votes are scored again as by ltm_match; 0 leaves it "
         "to "

@@ -60,6 +60,8 @@ const Rule kRules[] = {
     {"select", {}, views, "with [mapping] nodes = views the section [views] says which images are taken up"},
     {"recognise", {"rescore"}, [](const auto& p) { return p.recognise.scorer != "tfidf_incremental"; },
      "it needs [recognise] scorer = tfidf_incremental"},
+    {"recognise", {"exhaustive_places", "proposals"}, [](const auto& p) { return p.recognise.scorer != "ltm_match"; },
+     "it needs [recognise] scorer = ltm_match"},
     {"recognise", {"closure_similarity"}, views, "with [mapping] nodes = views nothing is believed while mapping"},
     {"belief", {"new_place_prior", "new_place_persistence"}, views,
      "with [mapping] nodes = views nothing is believed while mapping"},

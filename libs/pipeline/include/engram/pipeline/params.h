@@ -47,7 +47,9 @@ struct PlaceParams {
 /// Section `[recognise]`.
 struct RecogniseParams {
   std::string scorer = "ltm_match";  ///< what scores the places: see makeScorer()
-  int rescore = 30;  ///< tfidf_incremental: places that are matched by descriptors; 0: words alone
+  int exhaustive_places = 200;  ///< ltm_match: in a map of more an index proposes those that are matched,
+  int proposals = 80;           ///< so many
+  int rescore = 30;             ///< tfidf_incremental: places that are matched by descriptors; 0: words alone
   int verified_scores =
       0;               ///< best places whose score counts verified matches alone; 0: scores by descriptors
   int candidates = 5;  ///< hypotheses that go to geometric verification, best first
