@@ -62,6 +62,7 @@ nlohmann::json figuresOf(const std::vector<BenchFigures>& all) {
     json["places"].push_back(f.places);
     json["localise_ms"][key] = meanOf(f.localise);
     json["localise_p95_ms"][key] = p95Of(f.localise);
+    json["step_ms"][key] = f.steps;
     json["map_ms"][key] = meanOf(f.map);
     json["map_p95_ms"][key] = p95Of(f.map);
     json["open_ms"][key] = f.open;

@@ -84,6 +84,7 @@ class MapBench {
       const types::FrameReport report = localizer.process(shown);
       figures_.localise.push_back(processMs() - start);
       figures_.right += isNear(report.bestGuess, i);
+      for (const auto& [step, ms] : report.times) figures_.steps[step] += ms / ask_.drive;
     }
   }
 

@@ -39,11 +39,11 @@ class FloorGrid {
       sorted.emplace_back(key(index(poses[i].x()), index(poses[i].y())), static_cast<std::uint32_t>(i));
     std::sort(sorted.begin(), sorted.end());
     table_.resize(std::bit_ceil(2 * poses.size() + 1));
-    for (const auto& [key, place] : sorted) {
-      Cell& cell = at(key);
-      if (cell.end == 0) cell = {key, static_cast<std::uint32_t>(places_.size()), 0};
+    for (const auto& [cellKey, place] : sorted) {
+      Cell& mine = at(cellKey);
+      if (mine.end == 0) mine = {cellKey, static_cast<std::uint32_t>(places_.size()), 0};
       places_.push_back(place);
-      cell.end = static_cast<std::uint32_t>(places_.size());
+      mine.end = static_cast<std::uint32_t>(places_.size());
     }
   }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ltm_scorer.h"
 
+#include "engram/base/rng.h"
 #include "engram/pipeline/place_match.h"
 
 #include <algorithm>
@@ -60,25 +61,29 @@ int LtmMatcher::reference(std::size_t place) const {
 
 /// What a place that was not matched would score, by what it got of the votes. Where the votes put it among
 /// the places of the sample, there its score is among theirs: so the scores of all of them are spread as if
-/// each had been matched, which is what evidence is measured against.
+/// each had been matched, which is what evidence is measured against. Places with equal votes, most often
+/// none, share the scores of those of the sample by lot, which is another for each image.
 class LtmMatchScorer::Background {
  public:
   Background(const std::vector<double>& votes, const std::vector<double>& matched, const Asked& asked)
-      : scores_(matched.begin() + static_cast<std::ptrdiff_t>(asked.chosen), matched.end()) {
+      : scores_(matched.begin() + static_cast<std::ptrdiff_t>(asked.chosen), matched.end()),
+        lots_(static_cast<std::uint64_t>(std::accumulate(votes.begin(), votes.end(), 0.0))) {
     for (std::size_t k = asked.chosen; k < asked.places.size(); ++k) votes_.push_back(votes[asked.places[k]]);
     std::sort(votes_.begin(), votes_.end());
     std::sort(scores_.begin(), scores_.end());
   }
 
-  double scoreFor(double votes) const {
+  double scoreFor(std::size_t place, double votes) const {
     if (scores_.empty()) return 0.0;
     const auto [below, above] = std::equal_range(votes_.begin(), votes_.end(), votes);
-    const auto rank = static_cast<std::size_t>((below - votes_.begin()) + (above - votes_.begin())) / 2;
+    auto rank = static_cast<std::size_t>(below - votes_.begin());
+    if (below != above) rank += lots_.fork(place).below(static_cast<std::uint32_t>(above - below));
     return scores_[std::min(rank, scores_.size() - 1)];
   }
 
  private:
   std::vector<double> votes_, scores_;
+  base::Rng lots_;
 };
 
 LtmMatchScorer::LtmMatchScorer(const PipelineParams& params)
@@ -106,8 +111,7 @@ std::vector<double> LtmMatchScorer::scores(const types::Features& view,
   const std::vector<double> matched = matcher_.scores(view, asked.places);
   const Background background(votes, matched, asked);
   std::vector<double> result(votes.size());
-  std::transform(votes.begin(), votes.end(), result.begin(),
-                 [&](double v) { return background.scoreFor(v); });
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = background.scoreFor(i, votes[i]);
   for (std::size_t k = 0; k < matched.size(); ++k) result[asked.places[k]] = matched[k];
   return result;
 }

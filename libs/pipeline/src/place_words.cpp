@@ -17,6 +17,7 @@ using types::Descriptors;
 
 constexpr std::size_t kCells = 128;        // and words in each, at most
 constexpr std::size_t kRowsPerWord = 4;    // that training needs, on average
+constexpr std::size_t kBits = 64;          // of a signature
 constexpr int kRounds = 8;                 // of k-means
 constexpr std::size_t kRowsPerCell = 512;  // that the cells are trained on: more do not move them
 
@@ -135,12 +136,18 @@ std::uint64_t PlaceWords::signature(const Descriptors& rows, std::size_t row, st
                                     std::size_t word) const {
   const auto dim = static_cast<std::size_t>(rows.dim());
   std::uint64_t bits = 0;
-  for (std::size_t b = 0; b < 64; ++b) {
-    const std::size_t c = b * dim / 64;
-    const bool set = rows.kind() == DescriptorKind::kBinary
-                         ? (rows.words(row)[c / 64] >> (c % 64) & 1) != 0
-                         : rows.int8(row)[c] > centres_[cell].int8(word)[c];
-    bits |= std::uint64_t{set} << b;
+  if (rows.kind() == DescriptorKind::kBinary) {
+    const std::uint64_t* values = rows.words(row);
+    for (std::size_t b = 0; b < kBits; ++b) {
+      const std::size_t c = b * dim / kBits;
+      bits |= (values[c / 64] >> (c % 64) & 1) << b;
+    }
+  } else {
+    const std::int8_t *values = rows.int8(row), *centre = centres_[cell].int8(word);
+    for (std::size_t b = 0; b < kBits; ++b) {
+      const std::size_t c = b * dim / kBits;
+      bits |= std::uint64_t{values[c] > centre[c]} << b;
+    }
   }
   return bits;
 }

@@ -89,6 +89,7 @@ void Recogniser::load(const map::TopologicalMap& map) {
 void Recogniser::follow(const map::TopologicalMap& map) {
   const map::MapChanges changes = map.changesSince(read_);
   for (const auto id : changes.memories) placeChanged(map, map.place(id));
+  filter_.grow(ids_.size(), 0.0);
   scorer_->settled(map);
   std::set<int> touched;
   for (const auto id : changes.removedEdges) edgeRemoved(id, touched);
@@ -111,7 +112,6 @@ void Recogniser::placeChanged(const map::TopologicalMap& map, const map::Place& 
     adjacency_.successor.push_back(-1);
     adjacency_.predecessor.push_back(-1);
     adjacency_.poses.emplace_back();
-    filter_.grow(ids_.size(), 0.0);
     if (wholeImage_) wholeImage_->add(map, place.id, static_cast<std::size_t>(index));
   }
   scorer_->placeChanged(static_cast<std::size_t>(index), place);
