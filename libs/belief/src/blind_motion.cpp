@@ -4,9 +4,14 @@
 
 #include <algorithm>
 #include <numeric>
-#include <span>
 
 namespace engram::belief {
+
+double nothing(std::size_t places, std::size_t layers, double inSmallMaps) {
+  constexpr std::size_t kSmall = 200;
+  constexpr double kNothingInAll = 0.01;
+  return places <= kSmall ? inSmallMaps : kNothingInAll / static_cast<double>(places * layers);
+}
 
 std::vector<double> sums(const Layers& layers) {
   constexpr std::size_t kAtOnce = 4;
@@ -22,35 +27,6 @@ std::vector<double> sums(const Layers& layers) {
   return result;
 }
 
-void Neighbourhoods::follow(const Adjacency& adjacency, int radius) {
-  const std::size_t n = adjacency.size();
-  if (radius > radius_ || n < neighbours_.size()) {
-    neighbours_.clear();
-    around_.clear();
-    radius_ = std::max(radius, radius_);
-  }
-  HopSearch search(adjacency);
-  std::vector<std::size_t> touched;
-  const auto touch = [&](const auto& hops) {
-    for (const Hop& hop : hops) touched.push_back(static_cast<std::size_t>(hop.place));
-  };
-  const std::size_t before = neighbours_.size();
-  around_.resize(n);
-  neighbours_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (i < before && neighbours_[i] == adjacency.neighbours[i]) continue;
-    neighbours_[i] = adjacency.neighbours[i];
-    touch(around_[i]);  // who saw it, and who sees it now
-    touch(search.within(static_cast<int>(i), radius_));
-  }
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  for (const std::size_t i : touched) {
-    const auto hops = search.within(static_cast<int>(i), radius_);
-    around_[i].assign(hops.begin(), hops.end());
-  }
-}
-
 void BlindMotion::move(const Adjacency& adjacency, const Layers& from, const MotionHint& hint, Layers& to) {
   const double centre = hint.hops.value_or(params_.expected_hops);
   const double sigma = hint.hops ? params_.sigma_odometry : params_.sigma_hops;
@@ -58,11 +34,14 @@ void BlindMotion::move(const Adjacency& adjacency, const Layers& from, const Mot
       params_.hop_radius + static_cast<int>(std::min(std::ceil(centre), 1.0 * params_.hop_radius));
   std::vector<double> weight;
   for (int d = 0; d <= radius; ++d) weight.push_back(gaussian(d - centre, sigma) + 1e-12);
-  around_.follow(adjacency, radius);
+  HopSearch search(adjacency);
+  const double least = nothing(adjacency.size(), from.size(), 0.0);
   for (std::size_t i = 0; i < adjacency.size(); ++i) {
-    if (std::all_of(from.begin(), from.end(), [i](const auto& layer) { return layer[i] <= 0; })) continue;
-    std::span<const Hop> reached = around_.of(i);
-    while (reached.back().hops > radius) reached = reached.first(reached.size() - 1);
+    if (std::all_of(from.begin(), from.end(), [&](const auto& layer) { return layer[i] <= least; })) {
+      for (std::size_t k = 0; k < from.size(); ++k) to[k][i] += from[k][i];
+      continue;
+    }
+    const auto reached = search.within(static_cast<int>(i), radius);
     double total = 0;
     for (const auto& hop : reached) total += weight[static_cast<std::size_t>(hop.hops)];
     for (const auto& hop : reached) {

@@ -13,20 +13,10 @@ inline double gaussian(double x, double sigma) { return std::exp(-0.5 * (x / sig
 /// The sum of each layer, from its first value to its last. Several at a time: a sum waits for itself.
 std::vector<double> sums(const Layers& layers);
 
-/// The places around each place, kept from image to image: only where the map has changed they are sought
-/// anew.
-class Neighbourhoods {
- public:
-  /// Takes over what has changed; at least those within `radius` hops are known then.
-  void follow(const Adjacency& adjacency, int radius);
-  /// As HopSearch::within() gives them, but perhaps some that are further at the end.
-  const std::vector<Hop>& of(std::size_t place) const { return around_[place]; }
-
- private:
-  int radius_ = -1;
-  std::vector<std::vector<int>> neighbours_;  // of each place, as they were
-  std::vector<std::vector<Hop>> around_;
-};
+/// Mass of a place and layer that is not worth moving. In a map of more than 200 places all that is left
+/// where it is holds no more than 1 %: what is moved is where the robot may be, not all that it is at by
+/// accident alone, and a robot that knows where it is pays for its surroundings, not for the map.
+double nothing(std::size_t places, std::size_t layers, double inSmallMaps);
 
 /// F eq (7): a Gaussian on hops, see F-E2. Knows nothing but the place.
 class BlindMotion : public MotionModel {
@@ -37,7 +27,6 @@ class BlindMotion : public MotionModel {
 
  private:
   BeliefParams params_;
-  Neighbourhoods around_;
 };
 
 /// The layers are steps along the chain of places. A step is like the one before, or drawn from a

@@ -19,15 +19,7 @@ constexpr double kOffTheMap = 2.0;
 constexpr double kStride = 0.75;
 constexpr double kReach = 3.0;      // standard deviations
 constexpr double kDrift = 0.02;     // share of a layer that goes to each of its neighbours with an image
-constexpr double kNothing = 1e-12;  // mass of a place and layer below which it is only spread
-/// In a map of more places than kSmall mass is spread from where all together hold no more than this. What is
-/// moved is then what the robot may be at, and not what it is at by accident alone.
-constexpr double kNothingInAll = 0.01;
-constexpr std::size_t kSmall = 200;
-
-double nothing(std::size_t places, std::size_t layers) {
-  return places <= kSmall ? kNothing : kNothingInAll / static_cast<double>(places * layers);
-}
+constexpr double kNothing = 1e-12;  // mass below which it is only spread in a small map
 
 /// Places on the floor by square cells: a table of the cells, by open addressing, and the places cell by
 /// cell.
@@ -130,7 +122,7 @@ void OdometryMotion::move(const Adjacency& adjacency, const Layers& from, const 
   const FloorGrid grid(adjacency.poses, kReach * sigma);
   const double nowhere = gaussian(kOffTheMap, 1.0);
   const std::size_t n = adjacency.size();
-  const double least = nothing(n, from.size());
+  const double least = nothing(n, from.size(), kNothing);
   const Layers turned = drifted(from);
   Layers blind(from.size(), std::vector<double>(n, 0.0));
   double lost = 0.0;

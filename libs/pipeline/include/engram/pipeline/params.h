@@ -48,7 +48,7 @@ struct PlaceParams {
 struct RecogniseParams {
   std::string scorer = "ltm_match";  ///< what scores the places: see makeScorer()
   int exhaustive_places = 200;  ///< ltm_match: in a map of more an index proposes those that are matched,
-  int proposals = 80;           ///< so many
+  int proposals = 60;           ///< so many
   int rescore = 30;             ///< tfidf_incremental: places that are matched by descriptors; 0: words alone
   int verified_scores =
       0;               ///< best places whose score counts verified matches alone; 0: scores by descriptors
