@@ -70,16 +70,14 @@ void ScanFilter::start(const Eigen::Isometry3d& T_map_robot, double sigma) {
 
 /// V says nothing of it. The error of the robot is that of the reference and that of the measurement.
 void ScanFilter::relocate(PlaceId reference, const types::RelPose& T_reference_robot) {
-  const std::size_t known = indexOf(reference);
-  if (!reference.valid() || known == robot_) throw base::Error("a robot is found by a reference scan alone");
+  if (!reference.valid()) throw base::Error("a robot is found by a reference scan alone");
   lose();
   const std::size_t a = indexOf(reference);
   const Eigen::Isometry3d T = inPlane(states_[a].T_map * T_reference_robot.T_a_b, planar_);
   robot_ = append({{}, T});
   copyErrors(a, *robot_);
   const auto r = static_cast<Eigen::Index>(*robot_) * dof();
-  P_.block(r, r, dof(), dof()) +=
-      freePart(types::transported(T_reference_robot.cov, adjoint(T)), planar_);
+  P_.block(r, r, dof(), dof()) += freePart(types::transported(T_reference_robot.cov, adjoint(T)), planar_);
 }
 
 void ScanFilter::lose() {
@@ -103,7 +101,8 @@ void ScanFilter::predict(const types::RelPose& T_last_now) {
 }
 
 void ScanFilter::promote(PlaceId name) {
-  const bool taken = std::any_of(states_.begin(), states_.end(), [&](const auto& s) { return s.name == name; });
+  const bool taken =
+      std::any_of(states_.begin(), states_.end(), [&](const auto& s) { return s.name == name; });
   if (!previous_ || !name.valid() || taken) throw base::Error("no scan can become this reference");
   states_[*previous_].name = name;
   previous_.reset();

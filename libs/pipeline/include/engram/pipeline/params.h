@@ -11,6 +11,7 @@
 #include "engram/geometry/verify.h"
 #include "engram/memory/models.h"
 #include "engram/odometry/params.h"
+#include "engram/odometry/visual_scan.h"
 #include "engram/pipeline/perception.h"
 #include "engram/posegraph/relaxer.h"
 #include "engram/upkeep/upkeep.h"
@@ -110,6 +111,19 @@ struct ViewParams {
   void describe(base::Params& p);
 };
 
+/// Section `[scans]`: visual scans (Bertolli, Jensfelt & Christensen 2006).
+struct ScansParams {
+  odometry::ScanParams scan;
+  odometry::ScanMatchParams match;
+  bool refine = true;          ///< disparities by correlation where that finds them, not by keypoints alone
+  double reach = 3;            ///< [m] from a reference at which the robot can match it (V-E5)
+  int candidates = 6;          ///< references near the robot that are matched, nearest first
+  double step = 0.3;           ///< [m] without wheels: deviation of the motion from the one before, an image
+  double turn = 0.1745329252;  ///< [rad] the same
+
+  void describe(base::Params& p);
+};
+
 /// The whole configuration of a pipeline.
 struct PipelineParams {
   MappingParams mapping;
@@ -132,6 +146,7 @@ struct PipelineParams {
   memory::MultiStoreParams multi_store;
   posegraph::RelaxerParams posegraph;
   ViewParams views;
+  ScansParams scans;
   upkeep::UpkeepParams upkeep;
 
   /// Binds every struct to its section; this object must outlive `config`.
