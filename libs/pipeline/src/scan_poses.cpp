@@ -160,13 +160,13 @@ class GraphPoses final : public ScanPoses {
   }
 
   bool measure(Run& run, const Link& link) override {
-    const types::RelPose& measured = *link.match.T_place_robot;
     if (link.place.valid() && isClosure(run, link.place)) return close(run, link);
-    if (!agrees(run, measured, expected(run, link.place))) return false;
+    types::RelPose T = expected(run, link.place);
+    if (!correct(run, T, *link.match.T_place_robot)) return false;
     if (link.place.valid()) {
-      run.robot.backAt(link.place, measured);
+      run.robot.backAt(link.place, T);
     } else {
-      T_previous_robot_ = measured;
+      T_previous_robot_ = T;
       follow(run);
     }
     return true;
@@ -194,14 +194,20 @@ class GraphPoses final : public ScanPoses {
   }
 
  private:
-  static bool agrees(const Run& run, const types::RelPose& measured, const types::RelPose& expected) {
+  /// Kalman's update of one relative pose, the references as they are; none of what the gate refuses.
+  static bool correct(const Run& run, types::RelPose& T, const types::RelPose& measured) {
     static const std::vector<int> kPlane{0, 1, 5}, kSpace{0, 1, 2, 3, 4, 5};
     const bool planar = run.params.posegraph.planar;
     const auto& free = planar ? kPlane : kSpace;
-    const Eigen::VectorXd gap = types::logSe3(expected.T_a_b.inverse() * measured.T_a_b)(free);
-    const Eigen::MatrixXd S = (expected.cov + measured.cov)(free, free);
-    const double bound = posegraph::chi2Bound(run.params.posegraph.gate.gate_probability, planar ? 3 : 6);
-    return gap.dot(S.ldlt().solve(gap)) <= bound;
+    const types::Vector6d gap = types::logSe3(T.T_a_b.inverse() * measured.T_a_b);
+    const types::Matrix6d S = T.cov + measured.cov;
+    const Eigen::VectorXd part = gap(free);
+    const double chi2 = part.dot(Eigen::MatrixXd(S(free, free)).ldlt().solve(part));
+    if (chi2 > posegraph::chi2Bound(run.params.posegraph.gate.gate_probability, planar ? 3 : 6)) return false;
+    const types::Matrix6d K = S.ldlt().solve(T.cov).transpose();
+    T.T_a_b = types::rigid(T.T_a_b * types::expSe3(K * gap));
+    T.cov = types::symmetric((types::Matrix6d::Identity() - K) * T.cov);
+    return true;
   }
 
   /// The graph judges what joins places that it has no short way between; one of each pair suffices.

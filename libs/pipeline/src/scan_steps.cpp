@@ -110,17 +110,22 @@ types::RelPose NearStep::stepOf(const Run& run) {
   const ScansParams& params = run.params.scans;
   step.cov = planarCovariance(params.step, params.step, params.turn, params.turn);
   track_->guessed |= !wheels.anchored();
+  track_->lastStep.reset();
   if (wheels.anchored()) {
     const double floor = run.params.odometry.sigma_floor;
     step = wheels.anchorToRobot();
     step.cov += types::Matrix6d::Identity() * floor * floor;
+    track_->lastStep = step;
   }
+  auto& way = track_->T_made_robot;
+  way = way && track_->lastStep ? std::optional(types::compose(*way, step)) : std::nullopt;
   return step;
 }
 
 void NearStep::restart() {
   track_->poses->lose();
   track_->held.reset();
+  track_->made = {};
 }
 
 Verified ScansVerify::verify(Run& run, const Keyframe& image, Evidence evidence, types::FrameReport& report) {
@@ -244,6 +249,8 @@ Relation ScanRelate::relate(Run& run, const Keyframe& image, const Verified& ver
   if (node.valid()) {
     join(run, *track_->held, relation);
     track_->poses->promote(run, node);
+    track_->made = node;
+    track_->T_made_robot = track_->lastStep;
     links = {*verified.previous};
     links.front().place = node;
   }
@@ -261,7 +268,7 @@ void ScanRelate::join(Run& run, const HeldScan& scan, Relation& relation) const 
     const auto near = run.map.hopDistances(scan.links.front().place, run.params.place.recent_hops);
     if (near.contains(link.place)) edges.back().type = map::EdgeType::kOdometry;
   }
-  if (edges.empty() && scan.anchor.valid()) {
+  if (edges.empty() && scan.anchor.valid() && !(scan.T_made_scan && scan.anchor == track_->made)) {
     map::Edge way{.type = map::EdgeType::kOdometry, .a = scan.anchor, .b = relation.node};
     way.T_a_b = floored(run, scan.T_anchor_scan);
     if (scan.guessed) {
@@ -271,6 +278,11 @@ void ScanRelate::join(Run& run, const HeldScan& scan, Relation& relation) const 
     }
     edges.push_back(std::move(way));
   }
+  if (track_->made.valid() && scan.T_made_scan)
+    edges.push_back({.type = map::EdgeType::kOdometry,
+                     .a = track_->made,
+                     .b = relation.node,
+                     .T_a_b = *scan.T_made_scan});
   for (map::Edge& edge : edges) relation.edges.push_back(run.map.addEdge(std::move(edge)));
 }
 
@@ -283,9 +295,14 @@ void ScanRelate::hold(const Run& run, const Keyframe& image, std::vector<Link> l
         run.map.place(before.anchor).T_map_place * before.T_anchor_scan.T_a_b;
     track_->motion.T_a_b = T_map_before.inverse() * T_map_robot(run);
   }
-  HeldScan scan{image.frame, image.features, image.picture, std::move(links), run.robot.anchor(), {}, false};
-  if (const auto T = run.robot.motion()) scan.T_anchor_scan = *T;
-  scan.guessed = track_->guessed;
+  HeldScan scan{.frame = image.frame,
+                .features = image.features,
+                .picture = image.picture,
+                .links = std::move(links),
+                .anchor = run.robot.anchor(),
+                .T_anchor_scan = run.robot.motion().value_or(types::RelPose{}),
+                .guessed = track_->guessed,
+                .T_made_scan = track_->T_made_robot};
   track_->held.reset();
   if (begun) track_->held = std::move(scan);
 }

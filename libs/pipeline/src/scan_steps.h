@@ -24,7 +24,8 @@ struct HeldScan {
   std::vector<Link> links;  ///< to references
   base::PlaceId anchor;     ///< the reference that it hangs on; invalid before there is one
   types::RelPose T_anchor_scan;
-  bool guessed = false;  ///< nothing measured the way from there
+  bool guessed = false;                       ///< nothing measured the way from there
+  std::optional<types::RelPose> T_made_scan;  ///< by the wheels alone, from the reference made last
 };
 
 /// What the steps of scans share: the poses of either back-end, the scan before, and the index of references.
@@ -39,6 +40,8 @@ struct ScanTrack {
   std::optional<HeldScan> held;
   types::RelPose motion;  ///< from the scan before that to it, for a robot without wheels
   bool guessed = false;   ///< nothing has measured the way since the anchor
+  base::PlaceId made;     ///< the reference made last in this drive
+  std::optional<types::RelPose> T_made_robot, lastStep;  ///< by the wheels alone
 };
 
 /// V-01 to V-03: both eyes become a scan.
