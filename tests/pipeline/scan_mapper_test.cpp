@@ -118,9 +118,10 @@ TEST(ScanMapper, AFewScansBecomeReferencesOneImageLate) {
   EXPECT_LE(map.places().size(), 10u) << "of 60 images";
   EXPECT_EQ(shown.reports[0].reason, "the first scan");
   EXPECT_EQ(shown.reports[1].outcome, types::Outcome::kNewPlace);
-  for (const auto& report : shown.reports)
-    if (report.outcome == types::Outcome::kNewPlace)
-      EXPECT_LT(map.place(report.place).createdStamp, report.stamp - 0.05);
+  for (const auto& report : shown.reports) {
+    if (report.outcome != types::Outcome::kNewPlace) continue;
+    EXPECT_LT(map.place(report.place).createdStamp, report.stamp - 0.05);
+  }
   EXPECT_GT(shown.count(types::Outcome::kRecognised), 20);
   EXPECT_LT(worstPose(map), 0.02 * drive.length());
   EXPECT_EQ(map.hopDistances(map.places().begin()->first, 1000).size(), map.places().size());
@@ -166,7 +167,7 @@ TEST(ScanMapper, GoesOnWithTheCovarianceThatTheMapKeeps) {
   for (const auto& [id, place] : before.places()) EXPECT_EQ(place.joint.with.size(), id.value + 1u);
   const std::string file = ::testing::TempDir() + "scans.engram";
   std::remove(file.c_str());
-  map::TopologicalMap written(before.content());
+  map::TopologicalMap written = before;
   store::MapFile out = store::MapFile::create(file, Pipeline(scanParams()).header());
   out.commit(written, written.takeChanges());
   out.close();
@@ -212,15 +213,19 @@ TEST(ScanMapper, ACarriedRobotIsFoundAgain) {
     const Eigen::Isometry3d T_odom_end = *drive.frames.back().T_odom_robot;
     const Eigen::Isometry3d T_start = *drive.frames[6].T_odom_robot;
     std::vector<types::FrameReport> reports;
-    std::size_t i = 6;
-    for (; i < 20; ++i) {
+    for (std::size_t i = 6; i < 24; ++i) {
       types::Frame frame = drive.frames[i];
       frame.stamp += 100;
       frame.T_odom_robot = T_odom_end * T_start.inverse() * *frame.T_odom_robot;
       reports.push_back(mapper.process(frame));
     }
-    ASSERT_EQ(reports.back().outcome, types::Outcome::kRecognised) << reports.back().reason;
-    EXPECT_LT(errorOf(mapper.map(), reports.back(), drive.T_world_robot[i - 1]), 0.15);
+    int found = 0;
+    for (std::size_t k = 4; k < reports.size(); ++k) {
+      if (reports[k].outcome != types::Outcome::kRecognised) continue;
+      ++found;
+      EXPECT_LT(errorOf(mapper.map(), reports[k], drive.T_world_robot[6 + k]), 0.15) << k;
+    }
+    EXPECT_GE(found, 3);
     for (const auto& [id, place] : before)
       EXPECT_LT((mapper.map().place(id).T_map_place.inverse() * place.T_map_place).translation().norm(),
                 0.05);

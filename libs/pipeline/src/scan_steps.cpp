@@ -50,6 +50,12 @@ PlaceMatch matchNear(const Run& run, const types::Features& image, const types::
   return result;
 }
 
+/// The same by descriptors alone, and again near what they suggest (V-E7).
+PlaceMatch matchAnywhere(const Run& run, const types::Features& image, const memory::PlaceMemory& scan) {
+  const PlaceMatch found = heldAgainst(image, scan, run.params, run.perception.stereo());
+  return found.verified() ? matchNear(run, image, scan.features, found.T_place_robot->T_a_b) : found;
+}
+
 bool bySize(const Link& a, const Link& b) { return a.match.matches.size() > b.match.matches.size(); }
 
 Keyframe keyframeOf(const HeldScan& scan) { return {scan.frame, scan.features, scan.picture, {}, 0}; }
@@ -146,26 +152,23 @@ Verified ScansVerify::verify(Run& run, const Keyframe& image, Evidence evidence,
   if (track_->held && poses.begun(run)) {
     const auto expected = poses.expected(run, {}).T_a_b;
     Link before{{}, matchNear(run, image.features, track_->held->features, expected)};
+    if (!before.match.verified() && verified.links.empty())
+      before.match = matchAnywhere(run, image.features, memory::Static().start(track_->held->features));
     if (before.match.verified()) verified.previous = std::move(before);
   }
   return verified;
 }
 
-/// What descriptors alone suggest is matched again near there: it must have the inliers that need no
-/// prediction.
+/// A link that nothing predicted must be sure.
 void ScansVerify::recover(Run& run, const Keyframe& image, Verified& verified,
                           types::FrameReport& report) const {
   for (const auto& [view, score] : track_->search.find(image.features)) {
     types::Hypothesis hypothesis;
     hypothesis.place = view;
     hypothesis.similarity = score;
-    hypothesis.inliers = 0;
-    if (const auto found = linkTo(run, image.features, view)) {
-      const types::Features& scan = run.map.place(view).memory.features;
-      Link link{view, matchNear(run, image.features, scan, found->match.T_place_robot->T_a_b)};
-      hypothesis.inliers = static_cast<int>(link.match.matches.size());
-      if (link.match.verified() && isSure(run, link)) verified.links.push_back(std::move(link));
-    }
+    Link link{view, matchAnywhere(run, image.features, run.map.place(view).memory)};
+    hypothesis.inliers = link.match.verified() ? static_cast<int>(link.match.matches.size()) : 0;
+    if (link.match.verified() && isSure(run, link)) verified.links.push_back(std::move(link));
     report.hypotheses.push_back(hypothesis);
   }
 }
