@@ -115,9 +115,11 @@ struct ViewParams {
 struct ScansParams {
   odometry::ScanParams scan;
   odometry::ScanMatchParams match;
-  bool refine = true;          ///< disparities by correlation where that finds them, not by keypoints alone
-  double reach = 3;            ///< [m] from a reference at which the robot can match it (V-E5)
-  int candidates = 6;          ///< references near the robot that are matched, nearest first
+  bool refine = true;  ///< disparities by correlation where that finds them, not by keypoints alone
+  double reach = 3;    ///< [m] from a reference at which the robot can match it (V-E5)
+  int candidates = 6;  ///< references near the robot that are matched, nearest first
+  /// A reference matched by fewer points does not keep the scan before from becoming one; 0: V-08 as written.
+  int thin = 40;
   double step = 0.3;           ///< [m] without wheels: deviation of the motion from the one before, an image
   double turn = 0.1745329252;  ///< [rad] the same
 
