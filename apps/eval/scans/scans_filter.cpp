@@ -33,7 +33,7 @@ types::Matrix6d noise(double sigma, double turn) {
 /// Once round a square whose corridor has room for `references`, and on over its beginning.
 class Round {
  public:
-  Round(int references, std::uint64_t seed) : side_(std::max(8.0, references * 2 * kStep / 4)), rng_(seed) {}
+  Round(int references, base::Rng rng) : side_(std::max(8.0, references * 2 * kStep / 4)), rng_(rng) {}
 
   int steps() const { return static_cast<int>(4 * side_ / kStep) + 12; }
   Isometry3d truth(int k) const {
@@ -165,12 +165,13 @@ double NeesFigures::inside() const {
 
 NeesFigures measureNees(int runs, std::uint64_t seed) {
   constexpr int kReferences = 40;
-  NeesFigures figures{.runs = runs};
+  NeesFigures figures;
+  figures.runs = runs;
   // The sum is chi-square with 3 degrees of freedom a run.
   figures.low = posegraph::chi2Bound(0.025, 3 * runs) / runs;
   figures.high = posegraph::chi2Bound(0.975, 3 * runs) / runs;
   for (int run = 0; run < runs; ++run) {
-    Round round(kReferences, base::Rng(seed).fork(static_cast<std::uint64_t>(run)).next());
+    Round round(kReferences, base::Rng(seed).fork(static_cast<std::uint64_t>(run)));
     const Script script = scriptOf(round);
     posegraph::ScanFilter filter;
     filter.start(round.truth(0));
@@ -188,9 +189,10 @@ NeesFigures measureNees(int runs, std::uint64_t seed) {
 }
 
 SizeFigures compareAt(int references, std::uint64_t seed) {
-  Round round(references, seed);
+  Round round(references, base::Rng(seed));
   const Script script = scriptOf(round);
-  SizeFigures figures{.references = static_cast<int>(script.truth.size())};
+  SizeFigures figures;
+  figures.references = static_cast<int>(script.truth.size());
   const auto images = static_cast<double>(script.images.size());
 
   posegraph::ScanFilter filter;

@@ -66,8 +66,9 @@ MapPicture pictureOf(const map::TopologicalMap& map, const KeptDrive& drive,
   picture.ate = error->rmse;
   std::size_t k = 0;
   for (const auto& [id, place] : map.places()) {
-    DrawnScan scan{
-        place.T_map_place.translation().head<2>(), {}, Eigen::Matrix2d::Zero(), pointsOf(place, rectifier)};
+    DrawnScan scan;
+    scan.position = place.T_map_place.translation().head<2>();
+    scan.points = pointsOf(place, rectifier);
     if (k < truth.size())
       scan.truth = (error->T_truth_estimate.inverse() * truth[k++].T_world_body.translation()).head<2>();
     if (!place.joint.empty()) scan.cov = posegraph::positionCovariance(place.joint.own(), place.T_map_place);
@@ -78,7 +79,8 @@ MapPicture pictureOf(const map::TopologicalMap& map, const KeptDrive& drive,
 
 ScanRun mapDrive(const KeptDrive& drive, const pipeline::PipelineParams& params,
                  const cameras::Rectifier& rectifier, map::TopologicalMap& out) {
-  ScanRun run{.backEnd = params.posegraph.relaxer};
+  ScanRun run;
+  run.backEnd = params.posegraph.relaxer;
   pipeline::Pipeline mapper(params);
   double seconds = 0, back = 0;
   int taken = 0;

@@ -27,8 +27,8 @@ struct ScansWorldParams {
 
 /// A reference as the map had it at some time: where, how certain, and its points in the plane.
 struct DrawnScan {
-  Eigen::Vector2d position, truth;  ///< [m], in the map
-  Eigen::Matrix2d cov;              ///< of the position [m²]; zero where nothing keeps one
+  Eigen::Vector2d position = Eigen::Vector2d::Zero(), truth = position;  ///< [m], in the map
+  Eigen::Matrix2d cov = Eigen::Matrix2d::Zero();  ///< of the position [m²]; zero where nothing keeps one
   std::vector<Eigen::Vector2d> points;
 };
 struct MapPicture {

@@ -131,6 +131,10 @@ void ScansParams::describe(base::Params& p) {
   p.add("reach", reach, "distance from a reference scan at which the robot can match it [m]", {0.1, 1000});
   p.add("candidates", candidates, "reference scans near the robot that are matched, nearest first",
         {1, 1000});
+  p.add("thin", thin,
+        "an image makes the scan before a reference, too, where it matches all others by fewer points than "
+        "these and that one by more; 0: only where it matches no other",
+        {0, 10000});
   p.add(
       "step", step,
       "without wheels: standard deviation of the motion from one image to the next about the one before [m]",

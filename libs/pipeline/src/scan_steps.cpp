@@ -207,18 +207,29 @@ void ScanDecide::begin(Run& run, const Verified& verified, Decision& decision,
 }
 
 void ScanDecide::measure(Run& run, const Verified& verified, Decision& decision, types::FrameReport& report) {
+  if (isThin(run, verified)) decision.makesNode = track_->poses->measure(run, *verified.previous);
   for (const Link& link : verified.links) {
     const bool closes = isClosure(run, link.place);
     if (!track_->poses->measure(run, link)) continue;
     report.closure |= closes;
     decision.agreed.push_back(link);
   }
-  if (decision.agreed.empty()) contradict(run, verified, decision);
+  if (decision.makesNode || !decision.agreed.empty()) return;
+  contradict(run, verified, decision);
   if (!decision.agreed.empty()) return;
   report.reason = verified.links.empty()
                       ? "matches neither a reference scan nor the scan before"
                       : "the reference scans that it matches contradict where the robot is";
   if (verified.previous) decision.makesNode = track_->poses->measure(run, *verified.previous);
+}
+
+/// Whether the scan before would be the better reference. V waits until no reference matches: the last of its
+/// matches then hang on few points far away.
+bool ScanDecide::isThin(const Run& run, const Verified& verified) {
+  const auto size = [](const Link& link) { return static_cast<int>(link.match.matches.size()); };
+  const int thin = run.params.scans.thin;
+  return !verified.links.empty() && size(verified.links.front()) < thin && verified.previous &&
+         size(*verified.previous) >= thin;
 }
 
 /// Two sure images in a row that agree with each other, and not with where the robot should be: it was
@@ -254,7 +265,7 @@ Relation ScanRelate::relate(Run& run, const Keyframe& image, const Verified& ver
     track_->poses->promote(run, node);
     track_->made = node;
     track_->T_made_robot = track_->lastStep;
-    links = {*verified.previous};
+    links.insert(links.begin(), *verified.previous);
     links.front().place = node;
   }
   const base::PlaceId anchor = run.robot.anchor();
@@ -267,6 +278,8 @@ Relation ScanRelate::relate(Run& run, const Keyframe& image, const Verified& ver
 void ScanRelate::join(Run& run, const HeldScan& scan, Relation& relation) const {
   std::vector<map::Edge> edges;
   for (const Link& link : scan.links) {
+    const bool thin = static_cast<int>(link.match.matches.size()) < run.params.scans.thin;
+    if (thin && !edges.empty()) break;  // they come by their size
     edges.push_back(edgeOf(run, link, relation.node));
     const auto near = run.map.hopDistances(scan.links.front().place, run.params.place.recent_hops);
     if (near.contains(link.place)) edges.back().type = map::EdgeType::kOdometry;

@@ -84,6 +84,7 @@ class ScanDecide final : public DecideStep {
  private:
   void begin(Run& run, const Verified& verified, Decision& decision, types::FrameReport& report) const;
   void measure(Run& run, const Verified& verified, Decision& decision, types::FrameReport& report);
+  static bool isThin(const Run& run, const Verified& verified);
   void contradict(Run& run, const Verified& verified, Decision& decision);
 
   std::shared_ptr<ScanTrack> track_;
