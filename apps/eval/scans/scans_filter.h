@@ -22,7 +22,7 @@ struct NeesFigures {
 /// The filter against the graph on the same simulated measurements.
 struct SizeFigures {
   int references = 0;
-  double ekfMs = 0, graphMs = 0;    ///< CPU an image
+  double ekfMs = 0, graphMs = 0;    ///< CPU an image, when the loop closes
   double ekfAte = 0, graphAte = 0;  ///< [m] of the references
 };
 

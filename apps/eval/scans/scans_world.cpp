@@ -84,14 +84,13 @@ ScanRun mapDrive(const KeptDrive& drive, const pipeline::PipelineParams& params,
   pipeline::Pipeline mapper(params);
   double seconds = 0, back = 0;
   int taken = 0;
-  map::TopologicalMap open;  // as it was after the image before
+  map::TopologicalMap open;  // with the reference made last before the first closure
   const std::size_t n = drive.truth.size();
   const auto draw = [&](const map::TopologicalMap& map, std::size_t image) {
     run.pictures.push_back(pictureOf(map, drive, rectifier, image));
   };
   drive.forEachFrame([&](const types::Frame& frame) {
     const auto image = static_cast<std::size_t>(run.images++);
-    if (run.closures == 0) open = mapper.map();
     const double before = threadSeconds();
     const types::FrameReport report = mapper.process(frame);
     seconds += threadSeconds() - before;
@@ -104,8 +103,12 @@ ScanRun mapDrive(const KeptDrive& drive, const pipeline::PipelineParams& params,
       run.pictures.push_back(pictureOf(open, drive, rectifier, image));
       run.ateOpen = run.pictures.back().ate;
     }
-    if (run.closures == 0 && (image + 1) % std::max<std::size_t>(1, n / 4) == 0) {
+    if (run.closures == 0 && report.outcome == types::Outcome::kNewPlace) {
       mapper.finish();  // covariances come with it
+      open = mapper.map();
+    }
+    if (run.closures == 0 && (image + 1) % std::max<std::size_t>(1, n / 4) == 0) {
+      mapper.finish();
       draw(mapper.map(), image);
     }
   });
