@@ -114,6 +114,7 @@ class GraphOfScans {
     T_last_robot_ = posegraph::compose(T_last_robot_, image.wheels);
     if (!image.references.empty()) {
       const auto [first, seen] = image.references.front();
+      if (last_.valid()) close(last_, T_last_robot_, first, seen);
       for (const auto& [other, z] : image.references) close(first, seen, other, z);
       last_ = first;
       T_last_robot_ = seen;
