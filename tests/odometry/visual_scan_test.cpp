@@ -74,8 +74,8 @@ TEST(MakeScan, RowTurnAndDescriptorMustAgree) {
 /// V-E3: a disparity tells a depth, which has bounds.
 TEST(MakeScan, DepthsHaveBounds) {
   base::Rng rng(5);
-  const std::vector<types::StereoPoint> points{
-      kModel.project({0, -0.5, 1}), kModel.project({0, 0, 2}), kModel.project({0, 2, 4})};
+  const std::vector<types::StereoPoint> points{kModel.project({0, -0.5, 1}), kModel.project({0, 0, 2}),
+                                               kModel.project({0, 2, 4})};
   const auto left = featuresAt(points, false, rng), right = featuresAt(points, true, rng);
   EXPECT_EQ(makeScan(left, right, kModel).size(), 3U);
   const auto middle = makeScan(left, right, kModel, {.min_depth = 1.5, .max_depth = 3});
@@ -133,8 +133,10 @@ TEST(MatchScans, WindowsAreAnglesOfTheCamera) {
         const auto b = scanOf((yaw + right) * kDegree, (pitch + down) * kDegree);
         return matchScans(a, b, still, kModel).size();
       };
-      EXPECT_EQ(found(7.95, 0) + found(-7.95, 0) + found(0, 2.95) + found(0, -2.95), 4U) << yaw << " " << pitch;
-      EXPECT_EQ(found(8.05, 0) + found(-8.05, 0) + found(0, 3.05) + found(0, -3.05), 0U) << yaw << " " << pitch;
+      EXPECT_EQ(found(7.95, 0) + found(-7.95, 0) + found(0, 2.95) + found(0, -2.95), 4U)
+          << yaw << " " << pitch;
+      EXPECT_EQ(found(8.05, 0) + found(-8.05, 0) + found(0, 3.05) + found(0, -3.05), 0U)
+          << yaw << " " << pitch;
     }
 }
 

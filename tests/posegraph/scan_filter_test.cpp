@@ -50,7 +50,8 @@ void expectPositiveDefinite(const Eigen::MatrixXd& P) {
 /// with references within 1.5 m. Some matches are false.
 class Drive {
  public:
-  Drive(bool planar, std::uint64_t seed, double falseShare = 0) : planar_(planar), falseShare_(falseShare), rng_(seed) {}
+  Drive(bool planar, std::uint64_t seed, double falseShare = 0)
+      : planar_(planar), falseShare_(falseShare), rng_(seed) {}
 
   void run(int steps) {
     filter_ = ScanFilter(planar_);
@@ -66,7 +67,8 @@ class Drive {
     Isometry3d T = corner * planarPose(s, 0, 0.1 * std::sin(k));
     if (!planar_) {
       T.translation().z() = 0.3 * std::sin(0.26 * k);
-      T.linear() = T.linear() * Eigen::AngleAxisd(0.1 * std::cos(k), Eigen::Vector3d::UnitY()).toRotationMatrix();
+      T.linear() =
+          T.linear() * Eigen::AngleAxisd(0.1 * std::cos(k), Eigen::Vector3d::UnitY()).toRotationMatrix();
     }
     return T;
   }
@@ -82,7 +84,8 @@ class Drive {
 
   double nees(const Isometry3d& T_map, const Isometry3d& T_true, const Eigen::MatrixXd& P) const {
     const Vector6d d = logSe3(T_true * T_map.inverse());
-    const Eigen::VectorXd e = planar_ ? Eigen::VectorXd(Eigen::Vector3d(d[0], d[1], d[5])) : Eigen::VectorXd(d);
+    const Eigen::VectorXd e =
+        planar_ ? Eigen::VectorXd(Eigen::Vector3d(d[0], d[1], d[5])) : Eigen::VectorXd(d);
     return e.dot(P.ldlt().solve(e));
   }
 
@@ -103,7 +106,8 @@ class Drive {
   bool match(PlaceId from, const Isometry3d& T_from_robot) {
     const bool lie = from.valid() && rng_.uniform(0, 1) < falseShare_;
     const Isometry3d off = planarPose(rng_.uniform(2, 4), rng_.uniform(-2, 2), 0);
-    const auto z = drawn(lie ? Isometry3d(T_from_robot * off) : T_from_robot, diagonal(0.02, 0.01), planar_, rng_);
+    const auto z =
+        drawn(lie ? Isometry3d(T_from_robot * off) : T_from_robot, diagonal(0.02, 0.01), planar_, rng_);
     const bool accepted = filter_.measure(from, z, 0.99).accepted;
     falseAccepted_ += lie && accepted;
     refused_ += !lie && !accepted;
@@ -125,7 +129,8 @@ TEST(ScanFilter, OneDimensionIsTheTextbook) {
   filter.predict({.T_a_b = planarPose(1, 0, 0), .cov = diagonal(0.3, 1e-6)});
   EXPECT_NEAR(filter.robotCovariance()(0, 0), 0.09, 1e-9);
   filter.promote(p(0));
-  const auto update = filter.measure(p(0), {.T_a_b = planarPose(1.1, 0, 0), .cov = diagonal(0.1, 1e-6)}, 0.99);
+  const auto update =
+      filter.measure(p(0), {.T_a_b = planarPose(1.1, 0, 0), .cov = diagonal(0.1, 1e-6)}, 0.99);
   ASSERT_TRUE(update.accepted);
   EXPECT_NEAR(update.chi2, 0.1 * 0.1 / (0.09 + 0.01), 1e-6);
   EXPECT_NEAR(filter.T_map_robot().translation().x(), 1 + 0.1 * 0.09 / 0.1, 1e-6);

@@ -87,8 +87,7 @@ std::vector<types::Match> mutualBest(const types::Features& a, const types::Feat
     for (const auto& [row, j] : index.between(window->top, window->bottom)) {
       const auto k = static_cast<std::size_t>(j);
       const double u = b.keypoints[k].x;
-      if (u < window->left || u > window->right || !sameSign(a.keypoints[i], b.keypoints[k]) ||
-          !test(i, k))
+      if (u < window->left || u > window->right || !sameSign(a.keypoints[i], b.keypoints[k]) || !test(i, k))
         continue;
       const types::Match match{static_cast<int>(i), j, distanceOf(a.descriptors, i, b.descriptors, k)};
       if (match.distance < best[i].distance) best[i] = match;

@@ -19,9 +19,9 @@ namespace engram::odometry {
 
 /// V-02. When a feature of the left and one of the right image are one point.
 struct ScanParams {
-  double max_turn = 0.349065850398866;  ///< difference of orientation [rad]
-  double max_rows = 1;                  ///< difference of rows that counts as the same row [px] (V-E3)
-  double max_stereo_distance = 0.4863;  ///< sqrt(62000) / 512
+  double max_turn = 0.349065850398866;     ///< difference of orientation [rad]
+  double max_rows = 1;                     ///< difference of rows that counts as the same row [px] (V-E3)
+  double max_stereo_distance = 0.4863;     ///< sqrt(62000) / 512
   double min_depth = 0.2, max_depth = 50;  ///< of the points [m] (V-E3)
 
   void describe(base::Params& p);
@@ -43,9 +43,9 @@ types::Features makeScan(const types::Features& left, const types::Features& rig
                          const types::StereoModel& model, const ScanParams& params = {});
 
 /// One-to-one matches of two scans, by rising `a`: for each point of a the best descriptor near where T_a_b,
-/// the expected pose of the left eye of b in that of a, puts it in the image of b, and the other way round. No
-/// test of the ratio: the window is small. Features of a without a range are left out. Throws std::invalid_argument for descriptors of different
-/// kinds.
+/// the expected pose of the left eye of b in that of a, puts it in the image of b, and the other way round.
+/// No test of the ratio: the window is small. Features of a without a range are left out. Throws
+/// std::invalid_argument for descriptors of different kinds.
 std::vector<types::Match> matchScans(const types::Features& a, const types::Features& b,
                                      const Eigen::Isometry3d& T_a_b, const types::StereoModel& model,
                                      const ScanMatchParams& params = {});

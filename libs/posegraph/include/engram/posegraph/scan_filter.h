@@ -15,11 +15,11 @@ namespace engram::posegraph {
 /// Christensen 2006): poses of the robot, of the scan before, and of all reference scans, with their joint
 /// covariance. The scan before becomes a reference by another name; no number moves.
 ///
-/// V says neither how poses err nor how they are gated (V-E5). Errors here are small motions of the map frame:
-/// T_true = exp(d) T_map_x, d = (translation [m], rotation vector [rad]). What a measured relative pose says
-/// of them is then the difference of two errors, wherever the filter is linearised: it never learns where the
-/// whole map is, which no such measurement tells. Joseph's form keeps the covariance symmetric and positive
-/// definite. Time and memory of an update grow with the square of the references (V-12).
+/// V says neither how poses err nor how they are gated (V-E5). Errors here are small motions of the map
+/// frame: T_true = exp(d) T_map_x, d = (translation [m], rotation vector [rad]). What a measured relative
+/// pose says of them is then the difference of two errors, wherever the filter is linearised: it never learns
+/// where the whole map is, which no such measurement tells. Joseph's form keeps the covariance symmetric and
+/// positive definite. Time and memory of an update grow with the square of the references (V-12).
 class ScanFilter {
  public:
   /// @param planar only x, y and yaw are free
@@ -88,8 +88,8 @@ class ScanFilter {
 
 /// The joint covariance of all poses that the constraints of a graph give, in the order of the ids, in the
 /// convention of ScanFilter: the inverse of their information at the current poses. The first place is held
-/// by `sigma` [m] and [rad]; what no constraint with scale joins to it may be anywhere (10 km). For a map that
-/// was made without the filter. Takes the cube of the number of places.
+/// by `sigma` [m] and [rad]; what no constraint with scale joins to it may be anywhere (10 km). For a map
+/// that was made without the filter. Takes the cube of the number of places.
 Eigen::MatrixXd jointCovariance(const Graph& graph, bool planar, double sigma = 1e-3);
 
 /// Covariance of the position of a pose in the map, in the plane [m²], from a covariance of its error: what
