@@ -14,9 +14,9 @@ if [ -e "$out" ] && [ ! -e "$out/$mark" ] && [ -n "$(ls -A "$out" 2>/dev/null ||
   echo "$0: $out is there already, and no demo made it; name another folder, or remove it yourself" >&2
   exit 1
 fi
-echo "Takes about a minute; the first time also some 15 minutes of processor time to build, and 0.4 GB of disk beside the packages."
+echo "Takes about a minute; the first time also some 20 minutes of processor time to build, and 0.4 GB of disk beside the packages."
 engram_install_packages
-engram_build release engram-world engram-slam engram-localize engram-map engram-rawlog
+engram_build release engram_programs
 bin=build/release/bin
 
 rm -rf "$out"
@@ -51,4 +51,6 @@ Done. To look at:
   $out/report/images.jsonl            what was decided for every image, and why
   $out/localisation.csv               where each test image was recognised
   $out/world/plan.png                 the building
+
+To use the programs by their names: export PATH="$PWD/$bin:\$PATH", or install them: sudo cmake --install build/release --component programs
 TXT

@@ -43,9 +43,13 @@ function(engram_library name)
   add_library(engram_${name} STATIC ${ARG_SOURCES})
   add_library(engram::${name} ALIAS engram_${name})
   engram_target_defaults(engram_${name})
-  target_include_directories(engram_${name} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/include
+  target_include_directories(engram_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+                                                   $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
                                             PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(engram_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  set_target_properties(engram_${name} PROPERTIES EXPORT_NAME ${name})
+  install(TARGETS engram_${name} EXPORT engramTargets ARCHIVE COMPONENT development)
+  install(DIRECTORY include/ TYPE INCLUDE COMPONENT development)
 endfunction()
 
 # engram_program(NAME SOURCES main.cpp … LIBS libs …): the program engram-NAME.
@@ -55,7 +59,8 @@ function(engram_program name)
   engram_target_defaults(engram-${name})
   target_link_libraries(engram-${name} PRIVATE ${ARG_LIBS})
   set_target_properties(engram-${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
-  install(TARGETS engram-${name} RUNTIME DESTINATION bin)
+  install(TARGETS engram-${name} RUNTIME COMPONENT programs)
+  set_property(GLOBAL APPEND PROPERTY ENGRAM_PROGRAMS ${name})
 endfunction()
 
 # engram_test(NAME SOURCES a_test.cpp … LIBS libs … [LABELS l …] [TIMEOUT s]): one GoogleTest binary, one ctest entry.
@@ -64,6 +69,9 @@ function(engram_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
+  endif()
+  if(ENGRAM_SANITIZE)
+    math(EXPR ARG_TIMEOUT "3 * ${ARG_TIMEOUT}")
   endif()
   add_executable(${name}_test ${ARG_SOURCES})
   engram_target_defaults(${name}_test)

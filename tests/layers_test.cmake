@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The Engram authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Holds every #include of the libraries against the layers of the README: a file may include its own library and
+# Holds every #include of the libraries against the layers of docs/architecture.md: a file may include its own library and
 # those of lower rank, nothing beside or above it. Run as `cmake -DROOT=<source dir> -P tests/layers_test.cmake`.
 
 set(rank_base 0)
@@ -25,7 +25,7 @@ set(checked 0)
 file(GLOB libraries RELATIVE ${ROOT}/libs ${ROOT}/libs/*)
 foreach(lib ${libraries})
   if(NOT DEFINED rank_${lib})
-    message(SEND_ERROR "libs/${lib} has no rank; add it to tests/layers_test.cmake and to the README's table")
+    message(SEND_ERROR "libs/${lib} has no rank; add it to tests/layers_test.cmake and to the table of docs/architecture.md")
     continue()
   endif()
   file(GLOB_RECURSE files ${ROOT}/libs/${lib}/*.h ${ROOT}/libs/${lib}/*.cpp)

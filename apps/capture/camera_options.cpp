@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "capture_command.h"
+#include "engram/apps/config_file.h"
 #include "engram/base/error.h"
 #include "engram/capture/sensor_reader.h"
 
@@ -57,7 +58,7 @@ void CameraOptions::declare(CLI::App& app) {
 
 capture::LiveConfig CameraOptions::load() const {
   capture::loadSensorPlugins(plugins);
-  base::IniFile ini = config.empty() ? base::IniFile::parse("", "command line") : base::IniFile::load(config);
+  base::IniFile ini = config.empty() ? base::IniFile::parse("", "command line") : loadConfig(config);
   std::string name = section;
   if (name.empty()) name = config.empty() ? "camera" : onlyCameraOf(ini);
   for (const auto& assignment : settings) {

@@ -34,11 +34,10 @@ std::string LocalizeProgram::description() const {
 }
 
 std::string LocalizeProgram::examples() const {
-  return "  engram-localize config/fsh_omni.ini --map office.engram --rawlog day3.rawlog --out day3.csv\n"
-         "  engram-localize config/fsh_omni.ini --map office.engram --rawlog day3.rawlog --adapt\n"
-         "  engram-localize config/fsh_omni.ini --map office.engram --rawlog test.rawlog --truth "
-         "test.truth.tum\n"
-         "  engram-localize config/fsh_mono.ini --map left.engram --rawlog right.rawlog --truth truth.csv\n"
+  return "  engram-localize --map office.engram --rawlog day3.rawlog --out day3.csv\n"
+         "  engram-localize --map office.engram --rawlog day3.rawlog --adapt\n"
+         "  engram-localize --map office.engram --rawlog test.rawlog --truth test.truth.tum\n"
+         "  engram-localize --map left.engram --images right --truth truth.csv\n"
          "  engram-localize robot.ini --map office.engram --live front --stream /tmp/engram\n";
 }
 
@@ -68,9 +67,10 @@ void LocalizeProgram::declare(CLI::App& app) {
 }
 
 int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
-  if (config_.load(out)) return kOk;
+  if (config_.load(out, map_)) return kOk;
   if (map_.empty() || !input_.given(config_))
-    throw UsageError("--map is needed, and --rawlog or --live: which images shall be located?");
+    throw UsageError(
+        "--map is needed, and --rawlog, --images, --video or --live: which images shall be located?");
   const std::string recordsPath = report_.empty() ? "" : (fs::path(report_) / "images.jsonl").string();
   makeFolder(report_);
   for (const std::string& file : {csv_, recordsPath}) requireNew(file, overwrite_ || resume_);
@@ -83,6 +83,8 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     if (!quiet_) out << map_ << ": holds the whole drive already; nothing to resume\n";
     return kOk;
   }
+  if (config_.liveSection.empty())
+    input_.open(config_, err);  // tells the calibration; a live camera starts last
   pipeline::Pipeline localizer = open(drive ? &*drive : nullptr);
   std::optional<MapTruth> truth;
   if (!truth_.empty()) {

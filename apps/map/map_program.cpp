@@ -109,6 +109,7 @@ std::string MapProgram::examples() const {
          "  engram-map copy office.engram backup.engram                    also while it is being written\n"
          "  engram-map recover broken.engram rescued.engram                save what can be read of it\n"
          "  engram-map dump office.engram > office.txt                     all content as text, for diff\n"
+         "  engram-map config office.engram > office.ini                   the configuration that made it\n"
          "  engram-map export office.engram --format 3dscene --images --out office.3Dscene\n"
          "  engram-map export office.engram --format html --out office.html\n"
          "  engram-map export office.engram --format tum --out path.tum    for evo and the like\n"
@@ -122,6 +123,8 @@ void MapProgram::declare(CLI::App& app) {
                               "Check all checksums and rules; exit code 1 when the map is damaged, 3 when "
                               "it is sound but was copied without its log");
   dump_ = app.add_subcommand("dump", "Print the whole content as text; equal maps give equal text");
+  config_ =
+      app.add_subcommand("config", "Print the configuration that the map was made with, or its calibration");
   export_ = app.add_subcommand("export", "Write the map in a format of other programs");
   copyTo_ = app.add_subcommand("copy", "Copy the whole map as it is now, also while a program writes it");
   copy_.declare(*copyTo_);
@@ -133,10 +136,11 @@ void MapProgram::declare(CLI::App& app) {
   train_ =
       app.add_subcommand("train-vocabulary", "Train a vocabulary tree on what the places of maps remember");
   trainVocabulary_.declare(*train_);
-  for (CLI::App* command : {info_, check_, dump_, export_}) {
+  for (CLI::App* command : {info_, check_, dump_, config_, export_}) {
     command->add_option("map", map_, "Map file")->required();
     command->add_flag("-q,--quiet", quiet_, "Print results and errors only");
   }
+  config_->add_flag("--camera", camera_, "The calibration instead");
   info_->add_option("--json", json_, "Also write the figures to this file");
   export_
       ->add_option("--format", format_,
@@ -153,6 +157,7 @@ int MapProgram::run(std::ostream& out, std::ostream& err) {
   if (info_->parsed()) return info(out, err);
   if (check_->parsed()) return check(out);
   if (dump_->parsed()) return dump(out, err);
+  if (config_->parsed()) return config(out);
   if (copyTo_->parsed()) return copy_.run(out, err);
   if (recoverTo_->parsed()) return recover_.run(out, err);
   if (train_->parsed()) return trainVocabulary_.run(out, err);
@@ -186,6 +191,14 @@ int MapProgram::check(std::ostream& out) const {
 int MapProgram::dump(std::ostream& out, std::ostream& err) const {
   printMissingLog(map_, err);
   MapFile::open(map_, Access::kReadOnly).dump(out);
+  return kOk;
+}
+
+int MapProgram::config(std::ostream& out) const {
+  const map::MapHeader header = MapFile::open(map_, Access::kReadOnly).header();
+  std::string text = camera_ ? header.camera : header.parameters;
+  if (!text.ends_with('\n')) text += '\n';
+  out << text;
   return kOk;
 }
 

@@ -24,14 +24,15 @@ class MapProgram : public Program {
   int info(std::ostream& out, std::ostream& err) const;
   int check(std::ostream& out) const;
   int dump(std::ostream& out, std::ostream& err) const;
+  int config(std::ostream& out) const;
   int exportMap(std::ostream& out) const;
 
   CLI::App *info_ = nullptr, *check_ = nullptr, *dump_ = nullptr, *export_ = nullptr, *train_ = nullptr,
-           *copyTo_ = nullptr, *recoverTo_ = nullptr;
+           *copyTo_ = nullptr, *recoverTo_ = nullptr, *config_ = nullptr;
   std::string map_, json_, format_, output_;
   TrainVocabularyCommand trainVocabulary_;
   CopyCommand copy_{CopyCommand::Kind::kCopy}, recover_{CopyCommand::Kind::kRecover};
-  bool images_ = false, overwrite_ = false, quiet_ = false;
+  bool images_ = false, camera_ = false, overwrite_ = false, quiet_ = false;
 };
 
 }  // namespace engram::apps

@@ -7,6 +7,7 @@
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
 #include "engram/base/rng.h"
+#include "engram/cameras/camera_import.h"
 #include "engram/cameras/equirectangular.h"
 #include "engram/cameras/stereo_rig.h"
 #include "engram/sources/image_folder_source.h"
@@ -14,7 +15,6 @@
 #include "engram/sources/rawlog_writer.h"
 #include "rawlog_program.h"
 #include "reprojector.h"
-#include "stereo_import.h"
 
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -111,9 +111,11 @@ void PackCommand::declare(CLI::App& app) {
       ->check(CLI::IsMember(sources::stampUnitNames()));
   app.add_option("--out", out_, "Rawlog to write")->required()->type_name("FILE");
   app.add_flag("--overwrite", writer_.overwrite, "Replace the rawlog if it exists");
-  app.add_option("--camera", camera_,
-                 "Calibration of the images; default: equirectangular of their size. That of a stereo camera "
-                 "goes into the rawlog; it may also be KITTI's calib.txt or EuRoC's cam0.yaml,cam1.yaml")
+  app.add_option(
+         "--camera", camera_,
+         "Calibration of the images; default: equirectangular of their size. That of a pinhole or a stereo "
+         "camera goes into the rawlog. Also of OpenCV, ROS, EuRoC (cam0.yaml,cam1.yaml) and KITTI "
+         "(calib.txt)")
       ->type_name("FILE");
   app.add_option("--reproject", reproject_, "Calibration of the camera to show the images through")
       ->type_name("FILE");
@@ -163,6 +165,8 @@ void PackCommand::prepare() {
   if (to_ && wanted_) to_ = scaledRig(*to_, *wanted_);
   if (!saveCamera_.empty() && !to_ && !from_)
     throw UsageError("--save-camera needs --camera or --reproject: which calibration should be written?");
+  if (!writer_.stereo)
+    writer_.camera = to_ || !from_ || !wanted_ ? (to_ ? to_ : from_) : scaledRig(*from_, *wanted_);
   requireNew(saveCamera_, writer_.overwrite);
   requireNew(out_, writer_.overwrite);
   base::requireWritable(common_.json);
@@ -174,11 +178,14 @@ cv::Size sizeOfImage(const std::string& path) {
 }
 
 void PackCommand::loadCalibration() {
-  cv::Size size;
-  if (camera_.ends_with(".txt")) size = sizeOfImage(sources::findImages(images_).front());
-  writer_.stereo = importStereoRig(camera_, size);
-  if (!writer_.stereo && cameras::describesStereo(camera_)) writer_.stereo = cameras::loadStereoRig(camera_);
-  from_ = writer_.stereo ? writer_.stereo->left : cameras::loadCamera(camera_);
+  if (cameras::isForeignCalibration(camera_)) {
+    const cv::Size size = sizeOfImage(sources::findImages(images_).front());
+    writer_.stereo = cameras::importStereoRig(camera_, size);
+    from_ = writer_.stereo ? writer_.stereo->left : cameras::importCamera(camera_, size);
+  } else {
+    if (cameras::describesStereo(camera_)) writer_.stereo = cameras::loadStereoRig(camera_);
+    from_ = writer_.stereo ? writer_.stereo->left : cameras::loadCamera(camera_);
+  }
   if (!right_.empty() && !writer_.stereo)
     throw base::Error(camera_ + ": describes one camera, and --right gives two");
 }

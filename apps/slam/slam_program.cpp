@@ -27,13 +27,14 @@ std::string SlamProgram::description() const {
 }
 
 std::string SlamProgram::examples() const {
-  return "  engram-slam config/fsh_omni.ini --rawlog day1.rawlog --map office.engram\n"
-         "  engram-slam config/fsh_omni.ini --rawlog day2.rawlog --map office.engram --extend\n"
-         "  engram-slam config/fsh_omni.ini --rawlog day2.rawlog --map office.engram --extend --resume\n"
-         "  engram-slam config/fsh_mono.ini --rawlog walk.rawlog --set extractor.extractor=akaze\n"
+  return "  engram-slam fsh_omni --rawlog day1.rawlog --map office.engram\n"
+         "  engram-slam --rawlog day2.rawlog --map office.engram --extend\n"
+         "  engram-slam --rawlog day2.rawlog --map office.engram --extend --resume\n"
+         "  engram-slam fsh_mono --images photos --map walk.engram\n"
+         "  engram-slam fsh_mono --video walk.mp4 --every 10 --camera left.yaml\n"
          "  engram-slam robot.ini --live front --map office.engram --record today.rawlog --stream "
          "/tmp/engram\n"
-         "  engram-slam config/fsh_omni.ini --dump-config\n";
+         "  engram-slam fsh_omni --dump-config\n";
 }
 
 void SlamProgram::declare(CLI::App& app) {
@@ -63,14 +64,20 @@ void SlamProgram::declare(CLI::App& app) {
 }
 
 std::string SlamProgram::mapPath() const {
-  if (map_.empty() && input_.rawlog().empty()) throw UsageError("--live needs --map: the file for the map");
-  return map_.empty() ? fs::path(input_.rawlog()).replace_extension(".engram").string() : map_;
+  if (!map_.empty()) return map_;
+  if (!input_.given(config_))
+    throw UsageError("--rawlog, --images, --video or --live is missing: which images?");
+  if (input_.path().empty()) throw UsageError("--live needs --map: the file for the map");
+  fs::path images = input_.path();
+  if (!images.has_filename()) images = images.parent_path();
+  return images.replace_extension(".engram").string();
 }
 
 int SlamProgram::run(std::ostream& out, std::ostream& err) {
-  if (config_.load(out)) return kOk;
+  const bool mapHasConfig = drive_.extend && config_.options.file.empty();
+  if (config_.load(out, mapHasConfig ? mapPath() : "")) return kOk;
   if (!input_.given(config_))
-    throw UsageError("--rawlog or --live is missing: which images shall be mapped?");
+    throw UsageError("--rawlog, --images, --video or --live is missing: which images shall be mapped?");
   const std::string path = mapPath();
   base::requireWritable(json_);
   makeFolder(report_, {"images.jsonl", "index.html", "map.3Dscene", "map.graph", "trajectory.tum"});
@@ -86,6 +93,8 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   const int keep = config_.pipeline.upkeep.keep_drives;
   const int firstKept = keep > 0 ? known.nextSession() - keep : 0;
   known.forgetPath(firstKept);
+  if (config_.liveSection.empty())
+    input_.open(config_, err);  // tells the calibration; a live camera starts last
   pipeline::Pipeline mapper(config_.pipeline, std::move(known));
   if (drive.header() != nullptr) store::requireCompatible(*drive.header(), mapper.header(), path);
   if (keep > 0) drive.forget(mapper.map(), firstKept);
@@ -104,6 +113,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     if (!drive.replayed()) stream_.sendMapped(report, *frame, mapper.map());
     say(eyes_.after(mapper.eyes()), err);
     figures.add(report, mapper.map(), truth ? &*truth : nullptr);
+    if (!report_.empty()) pictures_.add(report, *frame);
     window_.after(*frame, report, mapper.map());
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
   }
@@ -179,6 +189,7 @@ void SlamProgram::writeReport(const store::MapFile& file, const map::Topological
   page.header = &file.header();
   page.map = &map;
   page.records = records;
+  page.pictures = pictures_.all();
   base::writeText((folder / "images.jsonl").string(), lines, true);
   base::writeText((folder / "index.html").string(), exporters::toHtml(page), true);
   exporters::writeScene((folder / "map.3Dscene").string(), map, {.images = true, .overwrite = true});

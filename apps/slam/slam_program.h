@@ -10,6 +10,7 @@
 #include "engram/apps/run_window.h"
 #include "engram/pipeline/pipeline.h"
 #include "engram/store/drive_writer.h"
+#include "report_pictures.h"
 #include "slam_figures.h"
 
 #include <optional>
@@ -39,6 +40,7 @@ class SlamProgram : public Program {
   RunStream stream_;
   RunWindow window_;
   EyeWatch eyes_;
+  ReportPictures pictures_;
   std::string map_, report_, truth_, json_;
   double truthRadius_ = 2.0;
   int truthMargin_ = 0;

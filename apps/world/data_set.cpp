@@ -103,7 +103,7 @@ void prepareFolder(const DataSetOptions& o) {
 class Maker {
  public:
   Maker(const world::World& world, const world::Eyes& eyes, const DataSetOptions& options, std::ostream& err)
-      : world_(world), eyes_(eyes), o_(options), err_(err) {}
+      : world_(world), eyes_(eyes), o_(options), progress_(options.quiet ? nullptr : &err, "rendering") {}
 
   DataSetFigures run() {
     const auto start = std::chrono::steady_clock::now();
@@ -116,6 +116,7 @@ class Maker {
       if (n <= o_.sessions) std::snprintf(stem, sizeof stem, "session_%02d", n);
       makeSession(n, stem, n <= o_.sessions ? world::DriveKind::kTour : world::DriveKind::kTest, all);
     }
+    progress_.finish();
     base::writeText(file("world.json"), toText(worldJson(), 2) + "\n", true);
     figures_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (figures_.images > 0) figures_.msPerFrame = 1000 * busy_ / static_cast<double>(figures_.images);
@@ -141,7 +142,6 @@ class Maker {
   void makeSession(int number, const std::string& stem, world::DriveKind kind, int all) {
     const world::Session session(world_, number, eyes_, kind, o_.threads);
     RawlogFile rawlog(file(stem + ".rawlog"), session, o_.layout, o_.externalImages);
-    base::Progress progress(o_.quiet ? nullptr : &err_, stem);
     const auto start = std::chrono::steady_clock::now();
     // Frames are independent: a block of them at a time, each on one thread.
     const auto block = static_cast<std::size_t>(std::max(1, o_.threads)) * 4;
@@ -155,7 +155,7 @@ class Maker {
       base::parallelFor(n, o_.threads, [&](std::size_t k) { frames[k] = session.frame(first + k); });
       for (std::size_t k = 0; k < n; ++k) rawlog.add(first + k, frames[k]);
       const double share = static_cast<double>(first + n) / static_cast<double>(session.size());
-      progress.update((number - 1 + share) / all, figures_.images + first + n);
+      progress_.update((number - 1 + share) / all, figures_.images + first + n);
     }
     base::writeText(file(stem + ".truth.tum"), truthText(session), true);
     base::writeText(file(stem + ".places.csv"), placesText(session), true);
@@ -182,7 +182,7 @@ class Maker {
   const world::World& world_;
   const world::Eyes& eyes_;
   const DataSetOptions& o_;
-  std::ostream& err_;
+  base::Progress progress_;  // one for all drives: its clock runs on
   DataSetFigures figures_;
   double busy_ = 0;
   nlohmann::json sessions_ = nlohmann::json::array();

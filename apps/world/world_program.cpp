@@ -3,6 +3,7 @@
 #include "world_program.h"
 
 #include "engram/apps/checks.h"
+#include "engram/apps/config_file.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/config.h"
 #include "engram/base/error.h"
@@ -37,7 +38,8 @@ std::string WorldProgram::examples() const {
 }
 
 void WorldProgram::declareCommon(CLI::App& command) {
-  command.add_option("--preset", preset_, "Building: tiny, office, corridors, campus (streets) or loops")
+  command
+      .add_option("--preset", preset_, "Building: tiny, office, corridors, campus (streets), loops or rooms")
       ->capture_default_str();
   command.add_option("--plan", planFile_, "Building from a text plan instead of a preset")
       ->check(CLI::ExistingFile);
@@ -91,8 +93,7 @@ void WorldProgram::declare(CLI::App& app) {
 }
 
 void WorldProgram::readConfig() {
-  base::IniFile ini =
-      config_.empty() ? base::IniFile::parse("", "command line") : base::IniFile::load(config_);
+  base::IniFile ini = config_.empty() ? base::IniFile::parse("", "command line") : loadConfig(config_);
   for (const auto& assignment : overrides_) ini.override(assignment);
   base::Config config;
   config.bind("change", params_.change);

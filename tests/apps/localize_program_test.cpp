@@ -179,7 +179,7 @@ TEST_F(LocalizeTest, UsageErrorsAndHelp) {
   EXPECT_THAT(help.out, AllOf(HasSubstr("Examples"), HasSubstr("Exit codes"), HasSubstr("--adapt")));
   const RunResult missing = localize({config(), "--rawlog", rawlog(2)});
   EXPECT_EQ(missing.code, kUsage);
-  EXPECT_THAT(missing.err, HasSubstr("--map is needed, and --rawlog or --live"));
+  EXPECT_THAT(missing.err, HasSubstr("--map is needed, and --rawlog, --images, --video or --live"));
 }
 
 TEST_F(LocalizeTest, BadInputIsNamed) {

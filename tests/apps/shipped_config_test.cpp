@@ -3,6 +3,7 @@
 #include "engram/apps/shipped_config.h"
 
 #include "engram/base/error.h"
+#include "engram/base/text_file.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +23,9 @@ TEST(ShippedConfig, IsEveryFileOfTheFolder) {
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(ENGRAM_SOURCE_DIR "/config")) {
     const std::string name = entry.path().filename().string();
-    EXPECT_EQ(valuesOf(shippedConfig(name)), valuesOf(base::IniFile::load(entry.path().string()))) << name;
+    EXPECT_EQ(valuesOf(shippedConfig(name)),
+              valuesOf(base::IniFile::parse(base::readTextFile(entry.path().string()), name)))
+        << name;
     ++files;
   }
   EXPECT_GE(files, 8);

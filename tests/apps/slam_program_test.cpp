@@ -134,7 +134,7 @@ TEST_F(SlamTest, UsageErrorsAndHelp) {
   EXPECT_THAT(help.out, AllOf(HasSubstr("Examples"), HasSubstr("Exit codes"), HasSubstr("--extend")));
   const RunResult missing = slam({config()});
   EXPECT_EQ(missing.code, kUsage);
-  EXPECT_THAT(missing.err, HasSubstr("--rawlog or --live is missing"));
+  EXPECT_THAT(missing.err, HasSubstr("--rawlog, --images, --video or --live is missing"));
 }
 
 TEST_F(SlamTest, BadConfigurationIsNamedWithFileLineSectionAndKey) {
@@ -277,7 +277,7 @@ TEST_F(SlamTest, OddRawlogsAreMappedWithANotice) {
 TEST_F(SlamTest, FirstImageMustFitTheCamera) {
   raw::writeWithMrpt(path("a.rawlog"), {raw::imageObject(raw::kStart, raw::picture(1, {320, 200}))}, true);
   EXPECT_THAT(refusal({config(), "--rawlog", path("a.rawlog"), "-q"}),
-              AllOf(HasSubstr("320x200"), HasSubstr("640x480"), HasSubstr("[camera] file")));
+              AllOf(HasSubstr("320x200"), HasSubstr("640x480"), HasSubstr("--camera FILE")));
   EXPECT_FALSE(fs::exists(path("a.engram")));
 }
 

@@ -101,6 +101,31 @@ TEST(BayesFilter, EqualsTheForwardAlgorithm) {
   }
 }
 
+// In a large map mass that is nowhere in particular stays where it is: what is believed hardly differs.
+TEST(BayesFilter, IsNearTheForwardAlgorithmInALargeMap) {
+  constexpr std::size_t n = 300;
+  base::Rng rng(3);
+  BeliefParams params;
+  params.advance = "none";
+  const auto graph = randomGraph(static_cast<int>(n), 60, rng);
+  DenseForward oracle(graph, params, true);
+  BayesFilter filter(params, true);
+  filter.reset(n);
+  double most = 0;
+  for (std::size_t t = 0; t < 60; ++t) {
+    Likelihood l = randomLikelihood(n, rng);
+    for (double& p : l.places) p = 0.05 + 0.1 * p;
+    if (t % 20 > 3) l.places[(t / 20 * 90 + t) % n] = 1.0;  // lost first, then seen somewhere, then elsewhere
+    filter.predict(graph);
+    ASSERT_TRUE(filter.update(l));
+    oracle.step(l);
+    double apart = std::abs(filter.posterior().newPlace - oracle.belief()[n]);
+    for (std::size_t i = 0; i < n; ++i) apart += std::abs(filter.posterior().places[i] - oracle.belief()[i]);
+    most = std::max(most, apart / 2);
+  }
+  EXPECT_LT(most, 0.01);
+}
+
 /// The same with the step in the state, for a filter that learns: a dense sum over all pairs of (place,
 /// step).
 class StepForward : public testing::TestWithParam<int> {};

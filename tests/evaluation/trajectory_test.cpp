@@ -10,8 +10,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <sstream>
+#include <unistd.h>
 
 namespace engram::evaluation {
 namespace {
@@ -54,6 +57,53 @@ TEST(Tum, RoundTrip) {
     EXPECT_NEAR(back[i].stamp, trajectory[i].stamp, 1e-6);
     EXPECT_TRUE(back[i].T_world_body.isApprox(trajectory[i].T_world_body, 1e-8));
   }
+}
+
+/// Poses as data sets ship them, all of the same trajectory.
+TEST(Poses, OfEurocTumAndKittiAreTheSame) {
+  base::Rng rng(2);
+  const auto truth = randomTrajectory(rng, 5);
+  std::ostringstream tum, euroc, kitti, matrix, times;
+  writeTum(tum, truth);
+  euroc << "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z "
+           "[], v\n";
+  for (auto* out : {&euroc, &kitti, &matrix}) out->precision(15);
+  for (const auto& pose : truth) {
+    const Eigen::Quaterniond q(pose.T_world_body.linear());
+    const Vector3d t = pose.T_world_body.translation();
+    euroc << 1403715273000000000 + std::llround(pose.stamp * 1e9) << ',' << t.x() << ',' << t.y() << ','
+          << t.z() << ',' << q.w() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ",0.1\n";
+    for (int i = 0; i < 12; ++i) kitti << pose.T_world_body.matrix()(i / 4, i % 4) << (i < 11 ? ' ' : '\n');
+    for (int i = 0; i < 16; ++i) matrix << pose.T_world_body.matrix()(i / 4, i % 4) << (i < 15 ? ' ' : '\n');
+    times << pose.stamp << '\n';
+  }
+  for (const std::string& text : {tum.str(), euroc.str(), kitti.str(), matrix.str()}) {
+    const auto read = parsePoses(text, "text");
+    ASSERT_EQ(read.size(), truth.size());
+    for (std::size_t i = 0; i < read.size(); ++i)
+      EXPECT_TRUE(read[i].T_world_body.isApprox(truth[i].T_world_body, 1e-8)) << text;
+  }
+  EXPECT_NEAR(parsePoses(euroc.str(), "text")[1].stamp, 1403715273.1, 1e-6);
+  EXPECT_EQ(parsePoses(kitti.str(), "text")[2].stamp, 2.0) << "one second apart without times.txt";
+
+  const auto folder = std::filesystem::temp_directory_path() / ("engram_poses_" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  std::ofstream(folder / "00.txt") << kitti.str();
+  std::ofstream(folder / "times.txt") << times.str();
+  EXPECT_NEAR(readPoses((folder / "00.txt").string())[3].stamp, truth[3].stamp, 1e-6);
+  std::ofstream(folder / "times.txt", std::ios::app) << "9\n";
+  EXPECT_THAT([&] { readPoses((folder / "00.txt").string()); },
+              ThrowsMessage<base::Error>(HasSubstr("times.txt: has 6 stamps")));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Poses, ThatAreNoneAreNamed) {
+  EXPECT_FALSE(isPoseLine("query,first,last"));
+  EXPECT_FALSE(isPoseLine("1 2 3"));
+  EXPECT_THAT([] { parsePoses("1 0 0 0 0 2 0 0 0 0 1 0\n", "k.txt"); },
+              ThrowsMessage<base::Error>(HasSubstr("k.txt:1: the matrix is not a pose")));
+  EXPECT_THAT([] { parsePoses("1.5,0,0,0,1,0,0,0\n", "e.csv"); },
+              ThrowsMessage<base::Error>(HasSubstr("e.csv:1: stamp [ns] '1.5' is not a whole number")));
 }
 
 TEST(Tum, ReadsTheOrderOfTheQuaternion) {

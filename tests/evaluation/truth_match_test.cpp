@@ -105,7 +105,10 @@ TEST(TruthMatch, PosesGoByTheirStamps) {
   EXPECT_THAT(problem(2000, 2100),
               HasSubstr("gt.tum: is not the truth of these images: of its 101 poses (by their "
                         "stamps) 0 occur here, and it tells of 0 of 201 images"));
+  EXPECT_THAT(problem(2000, 2100),
+              HasSubstr("its stamps are 1000.000 to 1100.000, those of the images 2000.000 to"));
   EXPECT_THAT(problem(1090, 1200), HasSubstr("is not the truth"));
+  EXPECT_THAT(problem(1, 1.1), HasSubstr("they seem to be milliseconds"));
 }
 
 }  // namespace

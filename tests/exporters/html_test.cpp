@@ -6,7 +6,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 
+#include <cstdio>
 #include <limits>
 #include <regex>
 #include <set>
@@ -35,6 +37,18 @@ std::vector<types::FrameReport> sampleRecords(std::size_t n) {
   records[3].milliseconds = std::numeric_limits<double>::quiet_NaN();
   records[4].features = 0;
   return records;
+}
+
+/// The bytes of a data address, decoded by coreutils.
+std::vector<std::uint8_t> decoded(const std::string& address) {
+  const std::string head = "data:image/jpeg;base64,";
+  EXPECT_TRUE(address.starts_with(head));
+  const std::string command = "printf %s '" + address.substr(head.size()) + "' | base64 -d";
+  FILE* pipe = ::popen(command.c_str(), "r");
+  std::vector<std::uint8_t> bytes;
+  for (int c; (c = std::fgetc(pipe)) != EOF;) bytes.push_back(static_cast<std::uint8_t>(c));
+  EXPECT_EQ(::pclose(pipe), 0);
+  return bytes;
 }
 
 using HtmlTest = ExporterTest;
@@ -73,6 +87,40 @@ TEST_F(HtmlTest, SaysWhatTheMapHolds) {
   const std::regex circle("<circle");
   EXPECT_EQ(std::distance(std::sregex_iterator(html.begin(), html.end(), circle), {}), 7);
   EXPECT_EQ(charts::whyNotWellFormed(html), "");
+}
+
+TEST_F(HtmlTest, ShowsTheTwoImagesOfAClosureSideBySide) {
+  const auto jpeg = [](int grey) {
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".jpg", cv::Mat(12, 16, CV_8U, cv::Scalar(grey)), bytes);
+    return bytes;
+  };
+  const auto before = jpeg(40), now = jpeg(200);
+  map_.addView(
+      {.place = base::PlaceId(0), .stamp = 1, .frameIndex = 0, .label = "first.png", .jpeg = before});
+  map_.addView({.place = base::PlaceId(0), .stamp = 9, .frameIndex = 8, .label = "again<.png", .jpeg = now});
+  std::vector<types::FrameReport> records(1);
+  records[0].index = 8;
+  records[0].stamp = 9;
+  records[0].label = "again<.png";
+  records[0].outcome = types::Outcome::kRecognised;
+  records[0].place = base::PlaceId(0);
+  records[0].closure = true;
+  records[0].hypotheses = {{base::PlaceId(0), 0.5, 0.9, 77}};
+  const std::string html =
+      toHtml({.title = "m", .header = nullptr, .map = &map_, .records = records, .figures = {}});
+  EXPECT_EQ(charts::whyNotWellFormed(html), "");
+  EXPECT_THAT(
+      html,
+      HasSubstr("Left: image 8 (again&lt;.png). Right: place 0, as seen in drive 1 (first.png). 77 matches"));
+  // The oracle of base64 is another decoder: what the page holds is the picture, to the byte.
+  std::vector<std::string> found;
+  const std::regex source("src=\"([^\"]*)\"");
+  for (std::sregex_iterator at(html.begin(), html.end(), source), end; at != end; ++at)
+    found.push_back((*at)[1]);
+  ASSERT_EQ(found.size(), 2u) << "nothing else is loaded";
+  EXPECT_EQ(decoded(found[0]), now);
+  EXPECT_EQ(decoded(found[1]), before);
 }
 
 TEST_F(HtmlTest, GroupsRefusalsByKind) {

@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const fuzz::InputFile file(".csv");
   const std::string path = file.holding({data, size});
   fuzz::mayRefuse([&] { evaluation::Truth::parse(fuzz::text({data, size}), "truth.csv", {.margin = 1}); });
-  fuzz::mayRefuse([&] { evaluation::readTum(path); });
+  fuzz::mayRefuse([&] { evaluation::readPoses(path); });
   fuzz::mayRefuse([&] {
     const auto images = sources::openImageFolder(file.folder(), path);
     while (images->next()) {

@@ -72,8 +72,6 @@ pipeline::PipelineParams goldenParams(const GoldenCase& golden) {
   base::Config config;
   params.bind(config);
   config.read(ini);
-  auto& file = params.camera.file;
-  if (!file.empty()) file = ENGRAM_SOURCE_DIR "/config/" + file;
   return params;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Real stereo pairs: odometry against ground truth, and recognition of the same place.
+#include "engram/cameras/camera_import.h"
 #include "engram/cameras/rectifier.h"
 #include "engram/evaluation/drift.h"
 #include "engram/features/extractor.h"
@@ -10,7 +11,6 @@
 #include "engram/odometry/stereo_check.h"
 #include "engram/odometry/stereo_odometry.h"
 #include "engram/sources/image_pairs.h"
-#include "stereo_import.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -80,7 +80,7 @@ TEST(RealStereo, KittiFollowsTheRoad) {
     NEEDS(folder);
     const auto source = sources::openImagePairs(folder + "/image_l", folder + "/image_r", "");
     const cv::Size size = seq == "seq1" ? cv::Size(1226, 370) : cv::Size(1241, 376);
-    const Drive result = drive(*source, *apps::importStereoRig(folder + "/calib.txt", size));
+    const Drive result = drive(*source, *cameras::importStereoRig(folder + "/calib.txt", size));
     EXPECT_EQ(result.frames, 51);
     EXPECT_EQ(result.failed, 0);
     EXPECT_EQ(result.health.fault, StereoFault::kNone) << describe(result.health);
@@ -100,7 +100,7 @@ TEST(RealStereo, EurocFliesInLeaps) {
   NEEDS(folder);
   const auto source = sources::openImagePairs(folder + "/*_0.jpg", folder + "/*_1.jpg", "names");
   const Drive result =
-      drive(*source, *apps::importStereoRig(folder + "/cam0.yaml," + folder + "/cam1.yaml", {}));
+      drive(*source, *cameras::importStereoRig(folder + "/cam0.yaml," + folder + "/cam1.yaml", {}));
   EXPECT_EQ(result.frames, 100);
   EXPECT_LE(result.failed, 10);
   EXPECT_EQ(result.health.fault, StereoFault::kNone) << describe(result.health);
@@ -120,7 +120,7 @@ TEST(RealStereo, KimeraTellsTwoPlacesApart) {
   NEEDS(folder);
   const auto source = sources::openImagePairs(folder + "/left_img*", folder + "/right_img*", "");
   const cameras::Rectifier rectifier(
-      *apps::importStereoRig(folder + "/sensorLeft.yaml," + folder + "/sensorRight.yaml", {}));
+      *cameras::importStereoRig(folder + "/sensorLeft.yaml," + folder + "/sensorRight.yaml", {}));
   const auto extractor = features::makeExtractor({});
   std::vector<types::Features> views;
   while (const auto frame = source->next()) {

@@ -105,13 +105,6 @@ TEST(OdometryWatch, NamesAxesThatAreExchanged) {
   EXPECT_EQ(compared(1, Eigen::Vector3d::Zero()).directions, 0);
 }
 
-TEST(OdometryWatch, ClosuresThatItDeniesAreNamedButNotGrave) {
-  OdometryWatch watch({});
-  watch.denied(3);
-  EXPECT_THAT(describe(watch.health()), HasSubstr("3 loop closures that agree with each other"));
-  EXPECT_FALSE(isGrave(watch.health()));
-}
-
 TEST(OdometryWatch, WheelsThatStandWhileImagesMoveAreDead) {
   OdometryWatch watch({});
   for (int i = 0; i < 4; ++i) watch.frozen();

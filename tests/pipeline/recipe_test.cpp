@@ -69,6 +69,8 @@ TEST(Recipe, ShippedConfigurationsAreTheSystemsOfTheirPapers) {
   EXPECT_EQ(nameOf("multi_store_omni"), "multi_store");
   EXPECT_EQ(nameOf("words_odometry"), "words");
   EXPECT_EQ(nameOf("view_map"), "views");
+  EXPECT_EQ(nameOf("visual_scans"), "scans");
+  EXPECT_EQ(nameOf("paper_scans"), "scans");
 }
 
 TEST(Recipe, AKeyWithoutEffectIsRefusedWithFileLineSectionAndKey) {

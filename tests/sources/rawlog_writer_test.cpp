@@ -230,6 +230,27 @@ TEST(RawlogWriter, TheCalibrationOfAStereoCameraComesBack) {
   EXPECT_EQ(is.right.camera->toText(), was.right.camera->toText());
 }
 
+TEST(RawlogWriter, TheCalibrationOfOneCameraComesBack) {
+  const TempFolder folder;
+  RawlogWriterParams params;
+  params.camera = rig().left;
+  RawlogWriter writer(folder.path("c.rawlog"), params);
+  types::Frame frame = makeFrame(0);
+  frame.image = picture(1, {64, 48});
+  writer.add(frame);
+  frame = makeFrame(1);
+  frame.image = picture(2, {32, 24});  // it is not for such images
+  writer.add(frame);
+  writer.close();
+  const auto source = openRawlog(folder.path("c.rawlog"));
+  ASSERT_TRUE(source->next());
+  ASSERT_TRUE(source->camera());
+  EXPECT_TRUE(source->camera()->T_robot_cam.isApprox(params.camera->T_robot_cam, 1e-9));
+  EXPECT_EQ(source->camera()->camera->toText(), params.camera->camera->toText());
+  ASSERT_TRUE(source->next());
+  EXPECT_FALSE(source->camera());
+}
+
 TEST(RawlogWriter, MrptReadsWhatWeWrite) {
   const TempFolder folder;
   types::Frame stereo = makeFrame(2);

@@ -9,8 +9,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 
 namespace engram::store {
@@ -106,6 +108,8 @@ TEST_F(CopyTest, WhileAnotherProcessCommits) {
       writer.commit(map, map.takeChanges(), &report);
       if (k == 0) [[maybe_unused]]
         const auto told = ::write(ready[1], "x", 1);
+      // The map must not outgrow a reader that sanitizers make slow.
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   }
   char byte = 0;

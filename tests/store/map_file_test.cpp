@@ -220,6 +220,39 @@ TEST_F(MapFileTest, PlacesThatNoRuleHasJudgedAreThoseOfTheFirstVersion) {
   EXPECT_EQ(firstRow(path("a.engram"), "places"), old);
 }
 
+/// How poses err came with version 3; it is gone when the pose is moved.
+TEST_F(MapFileTest, JointErrorsKeepEveryBit) {
+  auto map = ringMap(4, 12);
+  MapFile file = MapFile::create(path("a.engram"), sampleHeader());
+  file.commit(map, map.takeChanges());
+  const std::string old = firstRow(path("a.engram"), "places");
+  const map::PlaceId first(0), second(1);
+  const Eigen::MatrixXd cov =
+      Eigen::MatrixXd::Random(3, 6) + 2 * Eigen::MatrixXd::Identity(3, 3).replicate(1, 2);
+  map.setJointErrors({{first, {{first}, Eigen::Matrix3d::Identity() / 3}}, {second, {{first, second}, cov}}});
+  file.commit(map, map.takeChanges());
+  EXPECT_EQ(firstRow(path("a.engram"), "places")[1], 3);
+  const auto read = MapFile::open(path("a.engram"), Access::kReadOnly).load();
+  EXPECT_EQ(read.place(second).joint.cov, cov);
+  EXPECT_EQ(read.place(second).joint.with, (std::vector{first, second}));
+  EXPECT_EQ(read.place(second).joint.own(), cov.rightCols(3));
+  EXPECT_TRUE(read.place(map::PlaceId(2)).joint.empty());
+  map.setPose(first, map.place(first).T_map_place * Eigen::Translation3d(1, 0, 0));
+  EXPECT_TRUE(map.place(first).joint.empty());
+  file.commit(map, map.takeChanges());
+  EXPECT_EQ(firstRow(path("a.engram"), "places")[1], 1);
+
+  const auto refused = [&](std::vector<map::PlaceId> with, const Eigen::MatrixXd& errors) {
+    EXPECT_THROW(map.setJointErrors({{second, {std::move(with), errors}}}), base::Error);
+  };
+  refused({first}, Eigen::Matrix3d::Identity());
+  refused({second, first, second}, Eigen::MatrixXd::Ones(3, 9));
+  refused({first, second}, Eigen::Matrix3d::Identity());
+  refused({second}, -Eigen::Matrix3d::Identity());
+  refused({second}, Eigen::MatrixXd::Identity(4, 4));
+  refused({}, Eigen::Matrix3d::Identity());
+}
+
 TEST_F(MapFileTest, EqualMapsGiveEqualDumps) {
   std::string first;
   for (const char* name : {"a", "b"}) {

@@ -29,7 +29,7 @@ evaluation::FrameRef reference(const map::Place& place) {
 
 MapTruth::MapTruth(const std::string& path, const evaluation::TruthOptions& options)
     : truth_(evaluation::Truth::load(path, options)) {
-  if (hasPoses()) poses_ = evaluation::readTum(path);
+  if (hasPoses()) poses_ = evaluation::readPoses(path);
 }
 
 void MapTruth::note(const types::FrameReport& report) { match_.addImage(truth_, reference(report)); }
@@ -45,8 +45,9 @@ void MapTruth::requireMatch(const map::TopologicalMap& map, std::ostream& notice
 void MapTruth::survey(pipeline::Pipeline& mapper, const types::FrameReport& report) {
   note(report);
   if (!hasPoses() || report.outcome != types::Outcome::kNewPlace) return;
-  if (!mapper.map().places().contains(report.place)) return;  // it came and went
-  if (const auto pose = evaluation::poseAt(poses_, report.stamp)) mapper.survey(report.place, *pose);
+  if (!mapper.map().places().contains(report.place)) return;          // it came and went
+  const double made = mapper.map().place(report.place).createdStamp;  // of an earlier image, perhaps
+  if (const auto pose = evaluation::poseAt(poses_, made)) mapper.survey(report.place, *pose);
 }
 
 evaluation::Verdict MapTruth::judgeClosure(const map::TopologicalMap& map, const types::FrameReport& report,

@@ -5,6 +5,7 @@
 #include "engram/apps/json_file.h"
 #include "engram/apps/standard_output.h"
 #include "engram/base/atomic_file.h"
+#include "engram/base/config.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/standard_descriptors.h"
 #include "engram/base/text.h"
@@ -44,15 +45,47 @@ std::ostream& summaryTo(const CLI::App& app, std::ostream& out, std::ostream& er
   return claims > 0 ? err : out;
 }
 
+/// The options that the user could have meant.
+std::vector<std::string> optionNames(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  for (const CLI::App* command : app.get_subcommands())
+    for (auto& name : optionNames(*command)) names.push_back(std::move(name));
+  return names;
+}
+
+/// What was not understood, in the order of the command line, each with what it resembles.
+std::string describeExtras(const CLI::App& app, const std::vector<std::string>& arguments) {
+  const auto extras = app.remaining(true);
+  const auto known = optionNames(app);
+  std::string text;
+  for (const auto& word : arguments) {
+    const std::string option = word.substr(0, word.find('='));
+    if (std::none_of(extras.begin(), extras.end(),
+                     [&](const std::string& e) { return e == word || e == option; }))
+      continue;
+    const std::string nearest = base::nearestName(option, known);
+    text += (text.empty() ? "" : "; ") + std::string("not understood: ") + base::quoted(word);
+    if (!nearest.empty() && option.starts_with("-")) text += ", did you mean " + nearest + "?";
+  }
+  return text.empty() ? "not understood: " + CLI::detail::join(extras, " ") : text;
+}
+
 int parseAndRun(Program& program, const std::vector<std::string>& arguments, std::ostream& out,
                 std::ostream& err) {
   CLI::App app(program.description(), program.name());
   app.footer("Examples:\n" + program.examples() +
              "\nExit codes: 0 ok, 1 error, 2 usage, 3 stopped early, what was done is kept.");
+  app.set_help_all_flag("--help-all", "Print this and the help of all subcommands, and exit");
+  app.set_version_flag("--version", program.name() + " (Engram) " ENGRAM_VERSION,
+                       "Print the version and exit");
   program.declare(app);
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
     app.parse(reversed);
+  } catch (const CLI::ExtrasError&) {
+    throw UsageError(describeExtras(app, arguments));
   } catch (const CLI::ParseError& e) {
     return app.exit(e, out, err) == 0 ? kOk : kUsage;
   }
@@ -124,7 +157,7 @@ void CommandProgram::declare(CLI::App& app) {
 int CommandProgram::run(std::ostream& out, std::ostream& err) { return chosen_->run(out, err); }
 
 void ConfigOptions::declare(CLI::App& app) {
-  app.add_option("config", file, "Configuration (.ini); see the folder config/")->required();
+  app.add_option("config", file, "Configuration: a file (.ini), or a name such as fsh_omni");
   app.add_option("--set", overrides, "Override one key: section.key=value (repeatable)")
       ->take_all()
       ->allow_extra_args(false);

@@ -9,11 +9,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include <filesystem>
 #include <iomanip>
 #include <ostream>
 #include <sstream>
-#include <utility>
 
 namespace engram::apps {
 namespace {
@@ -28,7 +26,7 @@ double now() {
 }  // namespace
 
 void RunInput::declare(CLI::App& app) {
-  app.add_option("--rawlog", rawlog_, "Rawlog with images, and odometry if there is any");
+  offline_.declare(app);
   app.add_option("--record", recordPath_,
                  "With --live: record what is processed to this rawlog; its replay gives "
                  "the same result")
@@ -38,15 +36,18 @@ void RunInput::declare(CLI::App& app) {
       ->check(positive());
 }
 
-void RunInput::open(const RunConfig& config, std::ostream& notices) {
-  if (offline_ || live_) return;
+void RunInput::open(RunConfig& config, std::ostream& notices) {
+  if (offline_.isOpen() || live_) return;
   notices_ = &notices;
   const bool wantsLive = !config.liveSection.empty();
-  if (wantsLive && !rawlog_.empty()) throw UsageError("--rawlog and --live: give one of them");
+  if (wantsLive && offline_.given())
+    throw UsageError("--live, and --rawlog, --images or --video: give one of them");
   if (!wantsLive && (!recordPath_.empty() || seconds_ > 0))
     throw UsageError("--record and --seconds are for --live");
   if (!wantsLive) {
-    offline_ = sources::openRawlog(rawlog_, config.source);
+    offline_.open(config.source);
+    const std::string notice = config.settleCamera(offline_);
+    if (!notice.empty()) notices << base::forTerminal(notice) << "\n" << std::flush;
     return;
   }
   if (!recordPath_.empty()) {
@@ -63,18 +64,12 @@ void RunInput::open(const RunConfig& config, std::ostream& notices) {
 }
 
 std::string RunInput::source(const RunConfig& config) const {
-  return rawlog_.empty() ? config.liveSection : std::filesystem::path(rawlog_).filename().string();
-}
-
-const types::Frame* RunInput::peek() {
-  if (!peeked_) peeked_ = offline_->next();
-  return peeked_ ? &*peeked_ : nullptr;
+  return offline_.given() ? offline_.name() : config.liveSection;
 }
 
 std::optional<types::Frame> RunInput::next() {
   if (base::interrupted()) return std::nullopt;
-  if (peeked_) return std::exchange(peeked_, std::nullopt);
-  if (offline_) return offline_->next();
+  if (offline_.isOpen()) return offline_.next();
   auto frame = live_->next();
   passOn();
   if (!frame || timeIsUp(*frame)) return std::nullopt;
@@ -125,7 +120,7 @@ void RunInput::close() {
   recorder_.reset();
 }
 
-double RunInput::progress() const { return offline_ ? offline_->progress() : live_->progress(); }
+double RunInput::progress() const { return offline_.isOpen() ? offline_.progress() : live_->progress(); }
 
 void RunInput::annotate(types::FrameReport& report) {
   if (!live_) return;
@@ -139,10 +134,10 @@ void RunInput::annotate(types::FrameReport& report) {
   latencies_.add(state.latency);
 }
 
-std::string RunInput::problem() const { return offline_ ? offline_->problem() : live_->problem(); }
+std::string RunInput::problem() const { return offline_.isOpen() ? offline_.problem() : live_->problem(); }
 
 ExitCode RunInput::exitCode() const {
-  if (offline_) return offline_->whole() && !base::interrupted() ? kOk : kPartial;
+  if (offline_.isOpen()) return offline_.whole() && !base::interrupted() ? kOk : kPartial;
   const bool cutShort = base::interrupted() && seconds_ > 0;
   return live_->failure().empty() && recordFailure_.empty() && !cutShort ? kOk : kPartial;
 }

@@ -130,7 +130,6 @@ nlohmann::json toJson(const pipeline::OdometryHealth& health) {
           {"fastest_m_s", health.fastest},
           {"fastest_leap_m_s", ifAny(health.leaps, health.fastestLeap)},
           {"frozen", health.frozen},
-          {"denied_closures", health.denied},
           {"heading_ratio", ifAny(health.compared, health.headingRatio)},
           {"heading_unexplained", ifAny(health.compared, health.headingResidual)},
           {"direction_cosine", ifAny(health.directions, health.directionCosine)},

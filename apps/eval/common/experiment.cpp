@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/experiment.h"
 
+#include "engram/apps/config_file.h"
 #include "engram/apps/shipped_config.h"
 #include "engram/base/atomic_file.h"
 
@@ -20,7 +21,7 @@ std::string finished(charts::Page& page, const std::string& settings, std::uint6
 }
 
 base::IniFile configOf(const std::string& file, const std::vector<std::string>& overrides) {
-  base::IniFile ini = file.empty() ? base::IniFile::parse("", "command line") : base::IniFile::load(file);
+  base::IniFile ini = file.empty() ? base::IniFile::parse("", "command line") : loadConfig(file);
   for (const auto& assignment : overrides) ini.override(assignment);
   return ini;
 }

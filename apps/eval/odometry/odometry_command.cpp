@@ -104,7 +104,7 @@ void OdometryCommand::measureDrift() {
   if (std::none_of(drive_.frames.begin(), drive_.frames.end(), [](const auto& f) { return f.result.ok(); }))
     throw base::Error(rawlog_ + ": no motion was found; the last of " + std::to_string(drive_.frames.size()) +
                       " frames failed with " + toString(drive_.frames.back().result.reason));
-  auto truth = evaluation::readTum(truth_);
+  auto truth = evaluation::readPoses(truth_);
   if (fitBody_) {
     const auto R = evaluation::fitBody(drive_.pieces, truth);
     if (!R)

@@ -4,10 +4,7 @@
 
 #include "views/views_report.h"
 
-#include <filesystem>
-
 namespace engram::apps {
-namespace fs = std::filesystem;
 
 std::string ViewsCommand::description() const {
   return "Lifelong maps of stereo views: stitched drives, repair, fifty sessions, kappa";
@@ -41,17 +38,6 @@ void ViewsCommand::configure(base::Config& config) {
   config.bind("drive", world_.drive);
   config.bind("sensor", world_.sensor);
   pipeline_.bind(config);
-}
-
-/// The camera that a configuration names lies beside it.
-void ViewsCommand::adjust(const base::IniFile& ini) {
-  auto& camera = pipeline_.camera.file;
-  const auto& sections = ini.sections();
-  const auto given = sections.find("camera");
-  const bool ofFile =
-      given != sections.end() && given->second.contains("file") && given->second.at("file").origin != "--set";
-  if (ofFile && !camera.empty() && fs::path(camera).is_relative())
-    camera = (fs::path(options().config).parent_path() / camera).lexically_normal().string();
 }
 
 Findings ViewsCommand::measure(const Workplace& place, const std::string& settings) {

@@ -16,7 +16,6 @@ class ViewsCommand final : public Experiment {
 
  private:
   void configure(base::Config& config) override;
-  void adjust(const base::IniFile& ini) override;
   std::string identity() const override { return seedAndSize(); }
   std::vector<std::string> results() const override { return {"sessions.csv", "offsets.csv", "index.html"}; }
   Findings measure(const Workplace& place, const std::string& settings) override;

@@ -7,6 +7,7 @@
 #include "engram/base/text_file.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
 #include <sstream>
 
@@ -48,6 +49,14 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
   throw ConfigError(origin + ": " + what);
 }
 
+/// A configuration may be called through a link, or from anywhere: what it names lies where it lies itself.
+std::string besides(const std::string& ini, const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code status;
+  const fs::path folder = fs::weakly_canonical(ini, status).parent_path();
+  return status || file.empty() ? file : (folder / file).lexically_normal().string();
+}
+
 std::string hint(const std::string& nearest) {
   return nearest.empty() ? "; --dump-config lists the known ones" : "; did you mean '" + nearest + "'?";
 }
@@ -70,7 +79,11 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 
 IniFile IniFile::load(const std::string& path) {
   try {
-    return parse(readTextFile(path), path);
+    IniFile ini = parse(readTextFile(path), path);
+    for (auto& [name, section] : ini.sections_)
+      if (const auto file = section.find("file"); file != section.end())
+        file->second.text = besides(path, file->second.text);
+    return ini;
   } catch (const ConfigError&) {
     throw;
   } catch (const Error& e) {

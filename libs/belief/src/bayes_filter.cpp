@@ -12,7 +12,13 @@
 namespace engram::belief {
 namespace {
 
-double sum(const std::vector<double>& v) { return std::accumulate(v.begin(), v.end(), 0.0); }
+/// Each layer times these factors, one a place. Returns the sum of all.
+double scale(Layers& layers, const std::vector<double>& factors) {
+  double total = 0;
+  for (auto& layer : layers)
+    for (std::size_t i = 0; i < layer.size(); ++i) total += layer[i] *= factors[i];
+  return total;
+}
 
 }  // namespace
 
@@ -102,13 +108,19 @@ bool BayesFilter::update(const Likelihood& likelihood) {
   }
   if (largest <= 0) return false;
   Layers joint = joint_;
+  std::vector<double> factors(n);
   double total = 0;
-  for (std::size_t k = 0; k < joint.size(); ++k)
-    for (std::size_t i = 0; i < n; ++i) {
-      const double evidence = std::max(0.0, likelihood.places[i] - likelihood.floor);
-      const double l = likelihood.places[i] + (motion_->visible(k, i) - 1.0) * evidence;
-      total += joint[k][i] *= l / largest;
-    }
+  if (motion_->seesAll()) {
+    for (std::size_t i = 0; i < n; ++i) factors[i] = likelihood.places[i] / largest;
+    total = scale(joint, factors);
+  } else {
+    for (std::size_t k = 0; k < joint.size(); ++k)
+      for (std::size_t i = 0; i < n; ++i) {
+        const double evidence = std::max(0.0, likelihood.places[i] - likelihood.floor);
+        const double l = likelihood.places[i] + (motion_->visible(k, i) - 1.0) * evidence;
+        total += joint[k][i] *= l / largest;
+      }
+  }
   const double newPlace = hasNewPlace_ ? belief_.newPlace * (likelihood.newPlace / largest) : 0.0;
   if (!(total + newPlace > 1e-290)) return false;
   setJoint(std::move(joint), newPlace);
@@ -118,7 +130,7 @@ bool BayesFilter::update(const Likelihood& likelihood) {
 /// Takes the joint distribution, scaled to sum to 1, and its marginal over steps.
 void BayesFilter::setJoint(Layers joint, double newPlace) {
   double total = newPlace;
-  for (const auto& layer : joint) total += sum(layer);
+  for (const double sum : sums(joint)) total += sum;
   const double factor = total > 0 ? 1.0 / total : 0.0;
   joint_ = std::move(joint);
   belief_.newPlace = newPlace * factor;

@@ -34,8 +34,9 @@ double ChainMotion::size(std::size_t k) const {
 
 void ChainMotion::learn(const Layers& joint, double known) {
   if (known <= 0) return;
+  const std::vector<double> masses = sums(joint);
   for (std::size_t k = 0; k < steps_.size(); ++k) {
-    const double count = sum(joint[k]) / known;
+    const double count = masses[k] / known;
     learnt_[k] = params_.advance_forgetting * learnt_[k] + (1 - params_.advance_forgetting) * count;
   }
   scaleToOne(learnt_);
@@ -74,16 +75,28 @@ Layers ChainMotion::choose(const Layers& from, const MotionHint& hint) const {
   return next;
 }
 
+/// The place that each step from -furthest to furthest leads to from each place; -1 where the chain ends.
+std::vector<std::vector<int>> ChainMotion::stepsAlong(const Adjacency& adjacency, int furthest) {
+  const auto middle = static_cast<std::size_t>(furthest);
+  std::vector<std::vector<int>> reached(2 * middle + 1, std::vector<int>(adjacency.size(), -1));
+  std::iota(reached[middle].begin(), reached[middle].end(), 0);
+  const auto next = [](const std::vector<int>& from, const std::vector<int>& by, std::vector<int>& to) {
+    for (std::size_t i = 0; i < from.size(); ++i)
+      if (from[i] >= 0) to[i] = by[static_cast<std::size_t>(from[i])];
+  };
+  for (std::size_t step = 1; step <= middle; ++step) {
+    next(reached[middle + step - 1], adjacency.successor, reached[middle + step]);
+    next(reached[middle - step + 1], adjacency.predecessor, reached[middle - step]);
+  }
+  return reached;
+}
+
 /// Moves every layer along the chain by its step; a step between two whole ones goes to both, in proportion.
 /// What is past the end of the chain, and the share that moves blindly in any case, is returned.
 std::vector<double> ChainMotion::moveAlong(const Adjacency& adjacency, const Layers& from, Layers& to) const {
   const std::size_t n = adjacency.size();
   const int furthest = params_.advance_max + 1;
-  std::vector<std::vector<int>> reached;  // the place that each whole step leads to
-  for (int step = -furthest; step <= furthest; ++step) {
-    auto& places = reached.emplace_back(n);
-    for (std::size_t i = 0; i < n; ++i) places[i] = adjacency.along(static_cast<int>(i), step);
-  }
+  const auto reached = stepsAlong(adjacency, furthest);
   std::vector<double> blind(n, 0.0);
   for (std::size_t k = 0; k < from.size(); ++k) {
     const int whole = static_cast<int>(std::floor(size(k)));

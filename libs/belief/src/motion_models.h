@@ -10,6 +10,14 @@ namespace engram::belief {
 
 inline double gaussian(double x, double sigma) { return std::exp(-0.5 * (x / sigma) * (x / sigma)); }
 
+/// The sum of each layer, from its first value to its last. Several at a time: a sum waits for itself.
+std::vector<double> sums(const Layers& layers);
+
+/// Mass of a place and layer that is not worth moving. In a map of more than 200 places all that is left
+/// where it is holds no more than 1 %: what is moved is where the robot may be, not all that it is at by
+/// accident alone, and a robot that knows where it is pays for its surroundings, not for the map.
+double nothing(std::size_t places, std::size_t layers, double inSmallMaps);
+
 /// F eq (7): a Gaussian on hops, see F-E2. Knows nothing but the place.
 class BlindMotion : public MotionModel {
  public:
@@ -38,6 +46,7 @@ class ChainMotion : public MotionModel {
   double size(std::size_t k) const;
 
  private:
+  static std::vector<std::vector<int>> stepsAlong(const Adjacency& adjacency, int furthest);
   Layers choose(const Layers& from, const MotionHint& hint) const;
   std::vector<double> moveAlong(const Adjacency& adjacency, const Layers& from, Layers& to) const;
 
@@ -57,6 +66,7 @@ class OdometryMotion : public MotionModel {
   double share(std::size_t) const override { return 1.0 / params_.advance_headings; }
   void reset() override;
   void move(const Adjacency& adjacency, const Layers& from, const MotionHint& hint, Layers& to) override;
+  bool seesAll() const override { return params_.view_sigma <= 0 || headings_.empty(); }
   double visible(std::size_t layer, std::size_t place) const override;
 
  private:

@@ -4,8 +4,10 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
-#include <unordered_map>
+#include <utility>
 
 namespace engram::belief {
 namespace {
@@ -17,36 +19,61 @@ constexpr double kOffTheMap = 2.0;
 constexpr double kStride = 0.75;
 constexpr double kReach = 3.0;      // standard deviations
 constexpr double kDrift = 0.02;     // share of a layer that goes to each of its neighbours with an image
-constexpr double kNothing = 1e-12;  // mass of a place and layer below which it is only spread
+constexpr double kNothing = 1e-12;  // mass below which it is only spread in a small map
 
-/// Places on the floor by square cells.
+/// Places on the floor by square cells: a table of the cells, by open addressing, and the places cell by
+/// cell.
 class FloorGrid {
  public:
   FloorGrid(const std::vector<Eigen::Vector3d>& poses, double cell) : poses_(poses), cell_(cell) {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted;
     for (std::size_t i = 0; i < poses.size(); ++i)
-      cells_[key(index(poses[i].x()), index(poses[i].y()))].push_back(i);
+      sorted.emplace_back(key(index(poses[i].x()), index(poses[i].y())), static_cast<std::uint32_t>(i));
+    std::sort(sorted.begin(), sorted.end());
+    table_.resize(std::bit_ceil(2 * poses.size() + 1));
+    for (const auto& [cellKey, place] : sorted) {
+      Cell& mine = at(cellKey);
+      if (mine.end == 0) mine = {cellKey, static_cast<std::uint32_t>(places_.size()), 0};
+      places_.push_back(place);
+      mine.end = static_cast<std::uint32_t>(places_.size());
+    }
   }
 
   /// Calls f(place, squared distance) for all places in the nine cells around a point.
   template <class F>
   void around(const Eigen::Vector2d& p, F&& f) const {
-    for (std::int32_t x = index(p.x()) - 1; x <= index(p.x()) + 1; ++x)
-      for (std::int32_t y = index(p.y()) - 1; y <= index(p.y()) + 1; ++y) {
-        const auto cell = cells_.find(key(x, y));
-        if (cell == cells_.end()) continue;
-        for (const std::size_t i : cell->second) f(i, (poses_[i].head<2>() - p).squaredNorm());
+    const std::int32_t column = index(p.x()), row = index(p.y());
+    for (std::int32_t x = column - 1; x <= column + 1; ++x)
+      for (std::int32_t y = row - 1; y <= row + 1; ++y) {
+        const Cell& cell = at(key(x, y));
+        for (std::uint32_t k = cell.begin; k < cell.end; ++k)
+          f(places_[k], (poses_[places_[k]].head<2>() - p).squaredNorm());
       }
   }
 
  private:
+  struct Cell {
+    std::uint64_t key = 0;
+    std::uint32_t begin = 0, end = 0;  // in `places_`; end 0: free
+  };
+
   std::int32_t index(double x) const { return static_cast<std::int32_t>(std::floor(x / cell_)); }
   static std::uint64_t key(std::int32_t x, std::int32_t y) {
     return static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32 | static_cast<std::uint32_t>(y);
   }
+  /// The cell, or the free one where it would be.
+  const Cell& at(std::uint64_t key) const {
+    std::size_t i = static_cast<std::size_t>(key * 0x9e3779b97f4a7c15ULL >> 32);
+    for (i &= table_.size() - 1; table_[i].end != 0 && table_[i].key != key;)
+      i = (i + 1) & (table_.size() - 1);
+    return table_[i];
+  }
+  Cell& at(std::uint64_t key) { return const_cast<Cell&>(std::as_const(*this).at(key)); }
 
   const std::vector<Eigen::Vector3d>& poses_;
   double cell_;
-  std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
+  std::vector<Cell> table_;
+  std::vector<std::size_t> places_;
 };
 
 struct Reached {
@@ -95,6 +122,7 @@ void OdometryMotion::move(const Adjacency& adjacency, const Layers& from, const 
   const FloorGrid grid(adjacency.poses, kReach * sigma);
   const double nowhere = gaussian(kOffTheMap, 1.0);
   const std::size_t n = adjacency.size();
+  const double least = nothing(n, from.size(), kNothing);
   const Layers turned = drifted(from);
   Layers blind(from.size(), std::vector<double>(n, 0.0));
   double lost = 0.0;
@@ -103,7 +131,7 @@ void OdometryMotion::move(const Adjacency& adjacency, const Layers& from, const 
     const Eigen::Vector2d step = Eigen::Rotation2Dd(rotation(k)) * pending_;
     for (std::size_t i = 0; i < n; ++i) {
       const double mass = turned[k][i];
-      if (mass < kNothing) {
+      if (mass < least) {
         lost += mass;
         continue;
       }

@@ -3,6 +3,7 @@
 #include "engram/cameras/camera_rig.h"
 
 #include "engram/base/atomic_file.h"
+#include "engram/cameras/camera_import.h"
 #include "mrpt_stereo.h"
 #include "rig_text.h"
 
@@ -32,6 +33,7 @@ CameraRig makeRig(std::shared_ptr<const Camera> camera) {
 CameraRig parseCamera(const std::string& text, const std::string& name) {
   const base::IniFile ini = base::IniFile::parse(text, name);
   if (isMrptStereo(ini)) return readMrptStereo(ini).left;
+  if (auto rig = readMrptCamera(ini)) return *std::move(rig);
   base::Config config;
   RigText camera(ini);
   camera.bind(config);
@@ -41,7 +43,9 @@ CameraRig parseCamera(const std::string& text, const std::string& name) {
   return camera.rig();
 }
 
-CameraRig loadCamera(const std::string& path) { return parseCamera(readCalibrationFile(path), path); }
+CameraRig loadCamera(const std::string& path) {
+  return isForeignCalibration(path) ? importCamera(path) : parseCamera(readCalibrationFile(path), path);
+}
 
 std::string toText(const CameraRig& rig) { return toText(rig, RigSections{}, true); }
 

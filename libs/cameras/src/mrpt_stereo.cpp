@@ -162,6 +162,16 @@ StereoRig readMrptStereo(const base::IniFile& ini) {
   return rig;
 }
 
+std::optional<CameraRig> readMrptCamera(const base::IniFile& ini) {
+  std::vector<std::string> found;
+  for (const auto& [name, values] : ini.sections())
+    if (values.contains("resolution")) found.push_back(name);
+  if (found.size() != 1 || ini.sections().contains("camera")) return std::nullopt;
+  CameraRig rig = readCamera(Section(ini, found.front()));
+  rig.T_robot_cam = readMount(ini);
+  return rig;
+}
+
 std::string mrptStereoText(const StereoRig& rig) {
   std::ostringstream out;
   out.precision(17);

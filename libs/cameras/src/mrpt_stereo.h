@@ -5,6 +5,7 @@
 #include "engram/base/config.h"
 #include "engram/cameras/stereo_rig.h"
 
+#include <optional>
 #include <string>
 
 namespace engram::cameras {
@@ -14,6 +15,10 @@ bool isMrptStereo(const base::IniFile& ini);
 
 /// Reads it as MRPT does (TStereoCamera::loadFromConfigFile), but strictly, with [mount] where it is given.
 StereoRig readMrptStereo(const base::IniFile& ini);
+
+/// The one camera of a file of mrpt::img::TCamera: a section of any name but [camera] that has `resolution`.
+/// None when the file is no such one.
+std::optional<CameraRig> readMrptCamera(const base::IniFile& ini);
 
 std::string mrptStereoText(const StereoRig& rig);
 

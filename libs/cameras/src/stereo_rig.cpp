@@ -3,6 +3,7 @@
 #include "engram/cameras/stereo_rig.h"
 
 #include "engram/base/error.h"
+#include "engram/cameras/camera_import.h"
 #include "mrpt_stereo.h"
 #include "rig_text.h"
 
@@ -28,9 +29,15 @@ StereoRig parseStereoRig(const std::string& text, const std::string& name) {
   return rig;
 }
 
-StereoRig loadStereoRig(const std::string& path) { return parseStereoRig(readCalibrationFile(path), path); }
+StereoRig loadStereoRig(const std::string& path) {
+  if (!isForeignCalibration(path)) return parseStereoRig(readCalibrationFile(path), path);
+  auto rig = importStereoRig(path);
+  if (!rig) throw base::ConfigError(path + ": describes one camera; give both, as left.yaml,right.yaml");
+  return *std::move(rig);
+}
 
 bool describesStereo(const std::string& path) {
+  if (isForeignCalibration(path)) return importStereoRig(path).has_value();
   const base::IniFile ini = base::IniFile::load(path);
   return isMrptStereo(ini) || ini.sections().contains(kRightSections.camera);
 }

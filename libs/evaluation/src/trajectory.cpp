@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/evaluation/trajectory.h"
 
-#include "engram/base/text_file.h"
-#include "text_lines.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,42 +10,9 @@
 namespace engram::evaluation {
 namespace {
 
-/// Quaternions are written with some six digits.
-constexpr double kUnitTolerance = 1e-2;
 constexpr double kSameStamp = 1e-3;
 
-StampedPose parsePose(const TextLine& line) {
-  const auto fields = splitFields(line.text, ' ');
-  if (fields.size() != 8)
-    refuse(line.origin,
-           "expected 8 numbers (stamp x y z qx qy qz qw), found " + std::to_string(fields.size()));
-  double v[8];
-  const char* names[8] = {"stamp", "x", "y", "z", "qx", "qy", "qz", "qw"};
-  for (std::size_t i = 0; i < 8; ++i) v[i] = parseReal(fields[i], line.origin, names[i]);
-  const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
-  if (std::abs(q.norm() - 1.0) > kUnitTolerance) refuse(line.origin, "the quaternion is not of unit length");
-  StampedPose pose;
-  pose.stamp = v[0];
-  pose.T_world_body.linear() = q.normalized().toRotationMatrix();
-  pose.T_world_body.translation() << v[1], v[2], v[3];
-  return pose;
-}
-
 }  // namespace
-
-Trajectory parseTum(const std::string& text, const std::string& name) {
-  Trajectory trajectory;
-  for (const auto& line : contentLines(text, name)) {
-    trajectory.push_back(parsePose(line));
-    const std::size_t n = trajectory.size();
-    if (n > 1 && !(trajectory[n - 1].stamp > trajectory[n - 2].stamp))
-      refuse(line.origin, "the stamp is not later than the one before");
-  }
-  if (trajectory.empty()) refuse(name, "holds no poses");
-  return trajectory;
-}
-
-Trajectory readTum(const std::string& path) { return parseTum(base::readTextFile(path), path); }
 
 void writeTum(std::ostream& out, std::span<const StampedPose> trajectory) {
   out << "# stamp x y z qx qy qz qw\n";

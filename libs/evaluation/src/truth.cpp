@@ -24,7 +24,7 @@ std::optional<TruthKind> kindOf(const std::string& header) {
     return TruthKind::kRanges;
   if (names == Names{"image", "matches"}) return TruthKind::kMatches;
   if (names == Names{"a", "b"} || names == Names{"a", "b", "source"}) return TruthKind::kLinks;
-  if (names.size() == 1 && splitFields(header, ' ').size() == 8) return TruthKind::kPoses;
+  if (isPoseLine(header)) return TruthKind::kPoses;
   return std::nullopt;
 }
 
@@ -86,15 +86,17 @@ Truth Truth::parse(const std::string& text, const std::string& name, const Truth
   if (lines.empty()) refuse(name, "is empty");
   const auto kind = kindOf(lines.front().text);
   if (!kind)
-    refuse(lines.front().origin, base::quoted(lines.front().text) +
-                                     " is no known form of truth; known are the headers query,first,last and "
-                                     "image,matches and a,b[,source], and TUM poses (8 numbers a line)");
+    refuse(lines.front().origin,
+           base::quoted(lines.front().text) +
+               " is no known form of truth; known are the headers query,first,last and "
+               "image,matches and a,b[,source], and poses of TUM (8 numbers a line), EuRoC "
+               "(csv) and KITTI (12 numbers a line)");
   Truth truth;
   truth.kind_ = *kind;
   truth.name_ = name;
   truth.options_ = options;
   if (*kind == TruthKind::kPoses) {
-    truth.poses_ = parseTum(text, name);
+    truth.poses_ = parsePoses(text, name);
     return truth;
   }
   for (std::size_t i = 1; i < lines.size(); ++i) {
@@ -162,6 +164,10 @@ std::size_t Truth::posesWithin(double first, double last) const {
     return pose.stamp >= first - options_.maxGap && pose.stamp <= last + options_.maxGap;
   };
   return static_cast<std::size_t>(std::count_if(poses_.begin(), poses_.end(), inside));
+}
+
+std::pair<double, double> Truth::stampRange() const {
+  return poses_.empty() ? std::pair(0.0, 0.0) : std::pair(poses_.front().stamp, poses_.back().stamp);
 }
 
 Verdict Truth::judgeNumbers(std::int64_t query, std::int64_t place) const {

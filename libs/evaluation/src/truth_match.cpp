@@ -3,6 +3,7 @@
 #include "engram/evaluation/truth_match.h"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace engram::evaluation {
 namespace {
@@ -19,6 +20,20 @@ std::string entriesOf(TruthKind kind) {
       return "poses (by their stamps)";
   }
   return "entries";
+}
+
+/// Where the stamps lie, and the unit that those of the truth seem to have.
+std::string stampsOf(const Truth& truth, double first, double last) {
+  const auto [from, to] = truth.stampRange();
+  char text[200];
+  std::snprintf(text, sizeof text, "; its stamps are %.3f to %.3f, those of the images %.3f to %.3f s", from,
+                to, first, last);
+  std::string said = text;
+  using Unit = std::pair<double, const char*>;
+  for (const auto& [factor, name] : {Unit{1e3, "milli"}, Unit{1e6, "micro"}, Unit{1e9, "nano"}})
+    if (from / factor <= last + 1 && to / factor >= first - 1 && from > 10 * last)
+      said += std::string(": they seem to be ") + name + "seconds";
+  return said;
 }
 
 }  // namespace
@@ -56,6 +71,7 @@ std::string TruthMatch::problem(const Truth& truth) const {
                      " " + entriesOf(truth.kind()) + " " + std::to_string(occurs) +
                      " occur here, and it tells of " + std::to_string(spokenOf_) + " of " +
                      std::to_string(images_) + " images";
+  if (truth.kind() == TruthKind::kPoses) text += stampsOf(truth, firstStamp_, lastStamp_);
   if (unnamed_ > 0)
     text += "; it goes by the names of image files, and " + std::to_string(unnamed_) +
             " images have none (their label is '" + unnamedLabel_ + "'): engram-rawlog pack keeps them";

@@ -7,6 +7,7 @@
 #include "engram/charts/page.h"
 #include "map_chart.h"
 #include "map_colours.h"
+#include "picture_pairs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -208,6 +209,7 @@ std::string toHtml(const HtmlReport& report) {
   if (report.map != nullptr && !report.map->empty()) {
     page.heading("Map").append(mapChart(*report.map));
     page.note("Thin lines are the robot's path, one colour a session. Point at a place for its memory.");
+    addPicturePairs(page, report);
     addMemory(page, *report.map);
   }
   if (!report.records.empty()) addRecords(page, report.records);

@@ -5,6 +5,8 @@
 #include "engram/base/parallel.h"
 #include "matching_detail.h"
 
+#include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
 namespace engram::features {
@@ -42,11 +44,22 @@ std::size_t PlaceMatcher::size() const { return state_->places.size(); }
 
 std::vector<int> PlaceMatcher::ratioMatchCounts(const types::Features& query, const MatchParams& params,
                                                 int threads) const {
+  std::vector<std::size_t> all(size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return ratioMatchCounts(query, all, params, threads);
+}
+
+std::vector<int> PlaceMatcher::ratioMatchCounts(const types::Features& query,
+                                                std::span<const std::size_t> places,
+                                                const MatchParams& params, int threads) const {
+  if (std::any_of(places.begin(), places.end(), [this](std::size_t i) { return i >= size(); }))
+    throw std::invalid_argument("PlaceMatcher: no such place");
   const PreparedSet prepared(detail::quantisedFeatures(query));
   const SimdLevel level = supportedSimd();
-  std::vector<int> counts(size(), 0);
-  base::parallelFor(size(), threads, [&](std::size_t i) {
-    counts[i] = static_cast<int>(detail::matchPrepared(level, prepared, state_->places[i], params).size());
+  std::vector<int> counts(places.size(), 0);
+  base::parallelFor(places.size(), threads, [&](std::size_t k) {
+    const PreparedSet& place = state_->places[places[k]];
+    counts[k] = static_cast<int>(detail::matchPrepared(level, prepared, place, params).size());
   });
   return counts;
 }

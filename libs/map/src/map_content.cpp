@@ -156,12 +156,29 @@ std::string brokenRule(const MapHeader& header) {
   return std::isfinite(header.firstStamp) ? "" : "its first time stamp is not finite";
 }
 
+namespace {
+
+std::string brokenRule(const JointErrors& joint, PlaceId own) {
+  const auto rows = joint.cov.rows(), count = static_cast<Eigen::Index>(joint.with.size());
+  if (joint.empty() && joint.cov.size() == 0) return {};
+  if (joint.empty() || (rows != 3 && rows != 6) || joint.cov.cols() != rows * count)
+    return "its covariance is not that of the places it names";
+  if (joint.with.back() != own || !std::is_sorted(joint.with.begin(), joint.with.end()))
+    return "its covariance is not with earlier places";
+  if (!joint.cov.allFinite() || joint.cov.cwiseAbs().maxCoeff() > kLargestVariance)
+    return "its covariance is too large to mean anything";
+  return joint.own().diagonal().minCoeff() > 0 ? "" : "its covariance is not positive definite";
+}
+
+}  // namespace
+
 std::string brokenRule(const Place& place) {
   std::string rule = brokenRule(place.T_map_place, "its pose");
   if (rule.empty() && place.T_world_place) rule = brokenRule(*place.T_world_place, "its surveyed pose");
   if (rule.empty()) rule = brokenRule(place.createdStamp, place.session);
   if (rule.empty() && place.matchedStamp && !std::isfinite(*place.matchedStamp))
     rule = "the time of its last match is not finite";
+  if (rule.empty()) rule = brokenRule(place.joint, place.id);
   return rule.empty() ? brokenRule(place.memory) : rule;
 }
 

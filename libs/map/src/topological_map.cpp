@@ -40,6 +40,7 @@ TopologicalMap::TopologicalMap(MapContent content) : content_(std::move(content)
 }
 
 PlaceId TopologicalMap::addPlace(Place place) {
+  place.joint = {};
   if (const std::string rule = brokenRule(place); !rule.empty())
     throw base::Error("cannot add the place made from image '" + place.createdLabel + "': " + rule);
   place.id = PlaceId(take(content_.nextPlace));
@@ -153,6 +154,21 @@ void TopologicalMap::setPoses(const std::map<PlaceId, Eigen::Isometry3d>& T_map_
     Place& target = mutablePlace(id);
     if (target.T_map_place.matrix() == T.matrix()) continue;
     target.T_map_place = T;
+    target.joint = {};
+    journal_.note(Kind::kPlace, id.value);
+  }
+}
+
+void TopologicalMap::setJointErrors(const std::map<PlaceId, JointErrors>& joint) {
+  for (const auto& [id, errors] : joint) {
+    Place uncertain;
+    uncertain.id = place(id).id;  // throws when unknown, before anything has changed
+    uncertain.joint = errors;
+    if (const std::string rule = brokenRule(uncertain); !rule.empty())
+      throw base::Error("cannot keep how place " + std::to_string(id.value) + " errs: " + rule);
+  }
+  for (const auto& [id, errors] : joint) {
+    mutablePlace(id).joint = errors;
     journal_.note(Kind::kPlace, id.value);
   }
 }

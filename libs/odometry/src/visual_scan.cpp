@@ -65,8 +65,9 @@ class RowIndex {
   std::vector<std::pair<float, int>> rows_;
 };
 
+/// [px], columns and rows.
 struct Window {
-  double u, v, left, right, half;  // columns u - left … u + right, rows v ± half
+  double left, right, top, bottom;
 };
 
 /// For each of a the nearest of b within its window and the test, and only pairs that choose each other.
@@ -83,11 +84,10 @@ std::vector<types::Match> mutualBest(const types::Features& a, const types::Feat
   for (std::size_t i = 0; i < a.size(); ++i) {
     const auto window = windowOf(i);
     if (!window) continue;
-    for (const auto& [row, j] : index.between(window->v - window->half, window->v + window->half)) {
+    for (const auto& [row, j] : index.between(window->top, window->bottom)) {
       const auto k = static_cast<std::size_t>(j);
-      const double du = b.keypoints[k].x - window->u;
-      if (du < -window->left || du > window->right || !sameSign(a.keypoints[i], b.keypoints[k]) ||
-          !test(i, k))
+      const double u = b.keypoints[k].x;
+      if (u < window->left || u > window->right || !sameSign(a.keypoints[i], b.keypoints[k]) || !test(i, k))
         continue;
       const types::Match match{static_cast<int>(i), j, distanceOf(a.descriptors, i, b.descriptors, k)};
       if (match.distance < best[i].distance) best[i] = match;
@@ -105,21 +105,48 @@ double turnBetween(float a, float b) {
   return std::abs(std::remainder(static_cast<double>(a) - b, 2 * std::numbers::pi));
 }
 
+/// Between the rays that are so far [rad] to either side of the one through u.
+std::pair<double, double> aroundRay(double u, double centre, double f, double reach) {
+  constexpr double kSide = 1.55;  // [rad]: a pinhole sees no farther
+  const double ray = std::atan((u - centre) / f);
+  return {centre + f * std::tan(std::max(-kSide, ray - reach)),
+          centre + f * std::tan(std::min(kSide, ray + reach))};
+}
+
 }  // namespace
+
+void ScanParams::describe(base::Params& p) {
+  p.addDegrees("max_turn_deg", max_turn, "left and right: difference of orientation [deg]", {0, 180});
+  p.add("max_rows", max_rows, "left and right: difference of the rows [px]", {0, 100});
+  p.add("max_stereo_distance", max_stereo_distance,
+        "left and right: distance of descriptors of length 1, or share of differing bits", {0, 2});
+  p.add("min_depth", min_depth, "nearest points of a scan [m]", {0.01, 1000});
+  p.add("max_depth", max_depth, "farthest points of a scan [m]", {0.1, 1e6});
+}
+
+void ScanMatchParams::describe(base::Params& p) {
+  p.addDegrees("window_width_deg", window_width,
+               "scan to scan: directions to each side of the expected one where a point is sought [deg]",
+               {0.1, 90});
+  p.addDegrees("window_height_deg", window_height, "scan to scan: the same up and down [deg]", {0.1, 90});
+  p.add("max_distance", max_distance,
+        "scan to scan: distance of descriptors of length 1, or share of differing bits", {0, 2});
+}
 
 types::Features makeScan(const types::Features& left, const types::Features& right,
                          const types::StereoModel& model, const ScanParams& params) {
-  constexpr double kNearest = 0.1;  // [m], of the points
-  const double reach = model.f * model.baseline / kNearest;
+  const double fb = model.f * model.baseline;
   const auto matches = mutualBest(
       left, right,
       [&](std::size_t i) {
-        return std::optional(Window{left.keypoints[i].x, left.keypoints[i].y, reach, -0.1, params.max_rows});
+        const auto& k = left.keypoints[i];
+        return std::optional(Window{k.x - fb / params.min_depth, k.x - fb / params.max_depth,
+                                    k.y - params.max_rows, k.y + params.max_rows});
       },
       [&](std::size_t i, std::size_t j) {
         return turnBetween(left.keypoints[i].angle, right.keypoints[j].angle) < params.max_turn;
       },
-      params.max_distance);
+      params.max_stereo_distance);
   types::Features scan;
   std::vector<float> ranges;
   for (const auto& m : matches) {
@@ -142,7 +169,9 @@ std::vector<types::Match> matchScans(const types::Features& a, const types::Feat
         T_b_a * model.toPoint(types::stereoPoint(a.keypoints[i], a.ranges[i], model));
     if (point.z() < 0.05) return std::nullopt;
     const auto at = model.project(point);
-    return Window{at.u, at.v, params.window_width / 2, params.window_width / 2, params.window_height / 2};
+    const auto [left, right] = aroundRay(at.u, model.cx, model.f, params.window_width);
+    const auto [top, bottom] = aroundRay(at.v, model.cy, model.f, params.window_height);
+    return Window{left, right, top, bottom};
   };
   return mutualBest(
       a, b, windowOf, [](std::size_t, std::size_t) { return true; }, params.max_distance);

@@ -5,7 +5,15 @@
 #include "engram/features/matching.h"
 #include "engram/odometry/visual_scan.h"
 
+#include <cmath>
+
 namespace engram::odometry {
+namespace {
+
+/// Where a motion that few points suggest lets look for more, to each side [px].
+constexpr double kColumns = 20, kRows = 7;
+
+}  // namespace
 
 WideBaseline::WideBaseline(const types::StereoModel& model, cv::Mat mask)
     : model_(model), mask_(std::move(mask)), extractor_(features::makeExtractor({})) {}
@@ -47,7 +55,9 @@ std::vector<geometry::StereoMatch> WideBaseline::matchNear(View& a, View& b,
                                                            const Eigen::Isometry3d& T_a_b) const {
   describe(a);
   describe(b);
-  return toStereo(a, b, matchScans(*a.features, *b.features, T_a_b, model_));
+  const ScanMatchParams near{.window_width = std::atan(kColumns / model_.f),
+                             .window_height = std::atan(kRows / model_.f)};
+  return toStereo(a, b, matchScans(*a.features, *b.features, T_a_b, model_, near));
 }
 
 }  // namespace engram::odometry

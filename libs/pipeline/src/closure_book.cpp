@@ -55,14 +55,6 @@ posegraph::ClosureDecision ClosureBook::propose(const map::TopologicalMap& map, 
   return entries_.back().decision;
 }
 
-int ClosureBook::denied() const {
-  return static_cast<int>(std::count_if(entries_.begin(), entries_.end(), [this](const Entry& e) {
-    const bool against = e.decision.reason == posegraph::ClosureReason::kAgainstEstimate ||
-                         e.decision.reason == posegraph::ClosureReason::kContradicted;
-    return !e.decision.accepted && against && e.decision.support + 1 >= params_.gate.gate_support;
-  }));
-}
-
 void ClosureBook::review(const map::TopologicalMap& map) {
   poses_.clear();
   proposed_ = false;

@@ -5,6 +5,7 @@
 #include "perceive_steps.h"
 #include "place_steps.h"
 #include "recognise_steps.h"
+#include "scan_steps.h"
 #include "view_steps.h"
 
 namespace engram::pipeline {
@@ -58,9 +59,26 @@ std::unique_ptr<RelaxStep> makeRelax(Relax relax, const Run& run) {
   return nullptr;
 }
 
+/// The steps of scans share a track.
+Steps makeScanSteps(const Recipe& recipe, const Run& run) {
+  const auto track = std::make_shared<ScanTrack>(run);
+  Steps steps;
+  steps.perceive = std::make_unique<ScanPerceive>();
+  steps.move = std::make_unique<WheelsStep>();
+  steps.select = makeSelect(recipe.select);
+  steps.recognise = std::make_unique<NearStep>(track);
+  steps.verify = std::make_unique<ScansVerify>(track);
+  steps.decide = std::make_unique<ScanDecide>(track);
+  steps.remember = std::make_unique<ScanRemember>(track);
+  steps.relate = std::make_unique<ScanRelate>(track);
+  steps.relax = std::make_unique<ScanRelax>(track);
+  return steps;
+}
+
 }  // namespace
 
 Steps makeSteps(const Recipe& recipe, const Run& run) {
+  if (recipe.perceive == Perceive::kScan) return makeScanSteps(recipe, run);
   std::optional<upkeep::Budget> budget;
   if (recipe.forget == Forget::kLruViews) budget = run.params.upkeep.budget(run.params.stereo.min_inliers);
   Steps steps;

@@ -90,13 +90,12 @@ OdometryFault faultOf(const OdometryHealth& h) {
   const bool ratioFits = h.headingRatio >= kLeastRatio && h.headingRatio <= kMostRatio;
   if (turns && (!ratioFits || h.headingResidual > kMostResidual)) return OdometryFault::kHeading;
   if (h.directions >= kEnough && h.directionCosine < kLeastCosine) return OdometryFault::kDirection;
-  if (h.denied > 0) return OdometryFault::kDenied;
   return h.leaps > 0 ? OdometryFault::kLeaps : OdometryFault::kNone;
 }
 
 bool isGrave(const OdometryHealth& h) {
   const OdometryFault fault = faultOf(h);
-  return fault != OdometryFault::kNone && fault != OdometryFault::kLeaps && fault != OdometryFault::kDenied;
+  return fault != OdometryFault::kNone && fault != OdometryFault::kLeaps;
 }
 
 std::string describe(const OdometryHealth& h) {
@@ -107,11 +106,6 @@ std::string describe(const OdometryHealth& h) {
     case OdometryFault::kLeaps:
       return "the odometry leapt " + base::counted(static_cast<std::size_t>(h.leaps), "time") + " (" + speed +
              "); the way there was taken for unknown";
-    case OdometryFault::kDenied:
-      return base::counted(static_cast<std::size_t>(h.denied), "loop closure") +
-             " that agree with each other contradict the odometry, and the loop stays open; was the robot "
-             "carried, "
-             "did its wheels slip?";
     case OdometryFault::kTooFast:
       return "the odometry was left out: " + std::to_string(h.leaps) + " of " + std::to_string(h.steps) +
              " steps are faster than the robot can be (" + speed +

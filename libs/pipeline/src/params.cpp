@@ -30,6 +30,9 @@ void RecogniseParams::describe(base::Params& p) {
               "what scores the places: matches with long-term features, votes of the words of an incremental "
               "dictionary, or of those of a vocabulary tree",
               {"ltm_match", "tfidf_incremental", "vocabulary_tree"});
+  p.add("exhaustive_places", exhaustive_places,
+        "ltm_match: in a map of more places an index proposes those that are matched", {1, 1e9});
+  p.add("proposals", proposals, "ltm_match: places that the index proposes", {1, 1e6});
   p.add("rescore", rescore,
         "tfidf_incremental: so many places with the most votes are scored again as by ltm_match; 0 leaves it "
         "to "
@@ -94,8 +97,8 @@ void OdometryParams::describe(base::Params& p) {
 void MappingParams::describe(base::Params& p) {
   p.addChoice("nodes", nodes,
               "what the nodes of the map are: places, which remember what they were seen to look like; or "
-              "views of a stereo camera",
-              {"places", "views"});
+              "views of a stereo camera; or some of these views, as reference scans",
+              {"places", "views", "scans"});
 }
 
 void ViewParams::describe(base::Params& p) {
@@ -132,6 +135,25 @@ void ViewParams::describe(base::Params& p) {
         "standard deviations by which it must differ after that to have the whole map relaxed", {0, 1000});
 }
 
+void ScansParams::describe(base::Params& p) {
+  scan.describe(p);
+  match.describe(p);
+  p.add("refine", refine,
+        "depths by correlation of the images where that finds them, not by keypoints alone");
+  p.add("reach", reach, "distance from a reference scan at which the robot can match it [m]", {0.1, 1000});
+  p.add("candidates", candidates, "reference scans near the robot that are matched, nearest first",
+        {1, 1000});
+  p.add("thin", thin,
+        "an image makes the scan before a reference, too, where it matches all others by fewer points than "
+        "these and that one by more; 0: only where it matches no other",
+        {0, 10000});
+  p.add(
+      "step", step,
+      "without wheels: standard deviation of the motion from one image to the next about the one before [m]",
+      {0.001, 100});
+  p.addDegrees("turn_deg", turn, "the same of the heading [deg]", {0.01, 180});
+}
+
 void PipelineParams::bind(base::Config& config) {
   config.bind("mapping", mapping);
   config.bind("camera", camera);
@@ -153,6 +175,7 @@ void PipelineParams::bind(base::Config& config) {
   config.bind("multi_store", multi_store);
   config.bind("posegraph", posegraph);
   config.bind("views", views);
+  config.bind("scans", scans);
   config.bind("upkeep", upkeep);
 }
 

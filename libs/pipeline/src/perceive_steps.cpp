@@ -28,7 +28,8 @@ Sight motionSeen(const types::Features& now, const types::Features& then,
   const Eigen::Isometry3d& T = v.T_a_b.T_a_b;
   const bool moved = !T.translation().isZero() || std::abs(Eigen::AngleAxisd(T.linear()).angle()) > kSeenTurn;
   if (moved) return Sight::kMoved;
-  return 2 * v.inliers.size() >= matches.size() ? Sight::kStood : Sight::kUnknown;
+  const double same = similarity(static_cast<int>(v.inliers.size()), static_cast<int>(then.size()));
+  return same >= kSameSpot ? Sight::kStood : Sight::kUnknown;
 }
 
 /// The image is taken up; the wheels count on from here.

@@ -4,7 +4,6 @@
 
 #include "engram/base/error.h"
 #include "engram/base/text.h"
-#include "engram/odometry/row_matcher.h"
 #include "engram/types/se3.h"
 #include "step_timer.h"
 
@@ -138,12 +137,20 @@ types::StereoPair Perception::rectified(const types::Frame& frame) const {
 types::Features Perception::operator()(const types::StereoPair& pair) const {
   types::Features features = describe(pair.left);
   features.bearings.clear();  // pixels and ranges tell the points
-  const odometry::RowMatcher rows(pair, params_.max_disparity);
+  const odometry::RowMatcher matcher = rows(pair);
   for (const auto& k : features.keypoints) {
-    const auto d = rows.disparity(k.x, k.y);
+    const auto d = matcher.disparity(k.x, k.y);
     features.ranges.push_back(d ? types::rangeOf({k.x, k.y, *d}, stereo_->model) : 0.0f);
   }
   return features;
+}
+
+std::pair<types::Features, types::Features> Perception::ofEachEye(const types::StereoPair& pair) const {
+  types::Features left = describe(pair.left);
+  left.bearings.clear();
+  types::Features right = extractor_->extract(pair.right, {});
+  right.descriptors = types::quantised(right.descriptors);
+  return {std::move(left), std::move(right)};
 }
 
 types::Features Perception::operator()(const cv::Mat& image) const { return describe(image); }
@@ -184,6 +191,23 @@ map::MapHeader Perception::mapHeader(const std::string& memoryModel) const {
   header.descriptorDim = extractor_->dim();
   header.memoryModel = memoryModel;
   return header;
+}
+
+types::Features scanOf(const Perception& perception, const types::StereoPair& pair,
+                       const odometry::ScanParams& params, bool refine) {
+  constexpr int kReach = 2;  // [px] that keypoints may be off
+  const types::StereoModel& model = perception.stereo()->model;
+  const auto [left, right] = perception.ofEachEye(pair);
+  types::Features scan = odometry::makeScan(left, right, model, params);
+  if (!refine) return scan;
+  const odometry::RowMatcher rows = perception.rows(pair);
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const types::Keypoint& k = scan.keypoints[i];
+    const auto seen = static_cast<float>(types::stereoPoint(k, scan.ranges[i], model).disparity);
+    if (const auto d = rows.disparity(k.x, k.y, seen, kReach))
+      scan.ranges[i] = types::rangeOf({k.x, k.y, *d}, model);
+  }
+  return scan;
 }
 
 types::Features viewFeatures(const Perception& perception, const types::StereoPair& pair, int most) {

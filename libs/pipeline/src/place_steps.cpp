@@ -320,7 +320,6 @@ void PlaceRelax::finish(Run& run) {
   agreeOnTheMetre(run, firstEdge_);
   if (run.closures.empty()) return relaxer_.all(run.map);
   run.closures.review(run.map);
-  run.robot.watch().denied(run.closures.denied());
   run.closures.apply(run.map);
 }
 

@@ -18,6 +18,8 @@ constexpr Recipe kPlaces{Perceive::kFeatures,   Move::kWheels,  Select::kMotion,
 constexpr Recipe kViews{Perceive::kPair,   Move::kEyes,   Select::kKeyframe, Recognise::kIndex,
                         Verify::kAllViews, Decide::kView, Remember::kView,   Relate::kView,
                         Forget::kLruViews, Relax::kView};
+constexpr Recipe kScans{Perceive::kScan, Move::kWheels,   Select::kMotion, Recognise::kNear, Verify::kScans,
+                        Decide::kScan,   Remember::kScan, Relate::kScan,   Forget::kNothing, Relax::kScan};
 constexpr Recipe kLocalise{Perceive::kFeatures, Move::kWheels,  Select::kEvery,   Recognise::kBelief,
                            Verify::kOneOnWay,   Decide::kKnown, Remember::kLater, Relate::kFollow,
                            Forget::kNothing,    Relax::kNothing};
@@ -29,9 +31,13 @@ constexpr std::array kRecipes{
     NamedRecipe{"multi_store", "D: the multi-store model of memory", kPlaces},
     NamedRecipe{"words", "A: incremental visual words", kPlaces},
     NamedRecipe{"views", "K: lifelong maps of stereo views", kViews},
+    NamedRecipe{"scans", "V: visual scans with distinguishable points", kScans},
 };
 
 bool views(const PipelineParams& p) { return p.mapping.nodes == "views"; }
+bool scans(const PipelineParams& p) { return p.mapping.nodes == "scans"; }
+bool ofStereo(const PipelineParams& p) { return views(p) || scans(p); }
+bool filtered(const PipelineParams& p) { return p.posegraph.relaxer == "ekf_scans"; }
 
 /// Keys of a section that a configuration makes ineffective; no keys: all of them.
 struct Rule {
@@ -49,8 +55,8 @@ const Rule kRules[] = {
      "it needs [camera] stereo = true"},
     {"words", {}, [](const auto& p) { return p.recognise.scorer != "tfidf_incremental"; },
      "it needs [recognise] scorer = tfidf_incremental"},
-    {"tree", {}, [](const auto& p) { return p.recognise.scorer != "vocabulary_tree" && !views(p); },
-     "it needs [recognise] scorer = vocabulary_tree or [mapping] nodes = views"},
+    {"tree", {}, [](const auto& p) { return p.recognise.scorer != "vocabulary_tree" && !ofStereo(p); },
+     "it needs [recognise] scorer = vocabulary_tree or [mapping] nodes = views or scans"},
     {"tree", {}, [](const auto& p) { return !p.views.vocabulary.empty(); },
      "[views] vocabulary names a tree that was trained before"},
     {"verify", {}, [](const auto& p) { return p.camera.stereo; },
@@ -60,9 +66,12 @@ const Rule kRules[] = {
     {"select", {}, views, "with [mapping] nodes = views the section [views] says which images are taken up"},
     {"recognise", {"rescore"}, [](const auto& p) { return p.recognise.scorer != "tfidf_incremental"; },
      "it needs [recognise] scorer = tfidf_incremental"},
-    {"recognise", {"closure_similarity"}, views, "with [mapping] nodes = views nothing is believed while mapping"},
-    {"belief", {"new_place_prior", "new_place_persistence"}, views,
-     "with [mapping] nodes = views nothing is believed while mapping"},
+    {"recognise", {"exhaustive_places", "proposals"}, [](const auto& p) { return p.recognise.scorer != "ltm_match"; },
+     "it needs [recognise] scorer = ltm_match"},
+    {"recognise", {"closure_similarity"}, ofStereo,
+     "with [mapping] nodes = views or scans nothing is believed while mapping"},
+    {"belief", {"new_place_prior", "new_place_persistence"}, ofStereo,
+     "with [mapping] nodes = views or scans nothing is believed while mapping"},
     {"belief", {"sum_of_gaussians"},
      [](const auto& p) { return p.belief.likelihood == "angeli" || p.belief.likelihood == "standardised"; },
      "[belief] likelihood = angeli and standardised have rules of their own"},
@@ -80,7 +89,8 @@ const Rule kRules[] = {
      [](const auto& p) { return p.belief.advance != "odometry"; }, "it needs [belief] advance = odometry"},
     {"belief", {"advance_blind"}, [](const auto& p) { return p.belief.advance == "none"; },
      "it needs [belief] advance = learned or odometry"},
-    {"place", {"same_similarity", "patience"}, views, "with [mapping] nodes = views every keyframe is a node"},
+    {"place", {"same_similarity", "patience"}, ofStereo,
+     "with [mapping] nodes = views every keyframe is a node, with scans each that matches no other"},
     {"fsh", {}, [](const auto& p) { return p.memory.memory != "fsh"; }, "it needs [memory] memory = fsh"},
     {"multi_store", {}, [](const auto& p) { return p.memory.memory != "multi_store"; },
      "it needs [memory] memory = multi_store"},
@@ -89,13 +99,18 @@ const Rule kRules[] = {
     {"posegraph", {"gate_probability", "gate_inflation", "gate_lone_sigma", "gate_support_sigma", "gate_support",
                    "review_inflation"}, views,
      "with [mapping] nodes = views the section [views] says which links agree with the graph"},
+    {"posegraph", {"kernel", "kernel_width", "max_iterations", "max_seconds", "window_hops", "window_places",
+                   "window_iterations", "gate_inflation", "gate_lone_sigma", "gate_support_sigma", "gate_support",
+                   "review_inflation"}, filtered, "[posegraph] relaxer = ekf_scans filters and relaxes no graph"},
     {"views", {"vocabulary", "candidates"},
-     [](const auto& p) { return !views(p) && p.recognise.scorer != "vocabulary_tree"; },
-     "it needs [mapping] nodes = views or [recognise] scorer = vocabulary_tree"},
-    {"views", {"min_interval", "max_features", "sure_inliers", "agree_distance", "agree_angle_deg", "max_drift",
-               "max_speed", "train_after", "retrain_growth", "wheels", "sigma_floor", "weak_sigma", "relax_sigma",
-               "relax_all_sigma"},
+     [](const auto& p) { return !ofStereo(p) && p.recognise.scorer != "vocabulary_tree"; },
+     "it needs [mapping] nodes = views or scans or [recognise] scorer = vocabulary_tree"},
+    {"views", {"min_interval", "max_features", "agree_distance", "agree_angle_deg", "max_drift", "max_speed", "wheels",
+               "relax_sigma", "relax_all_sigma"},
      [](const auto& p) { return !views(p); }, "it needs [mapping] nodes = views"},
+    {"views", {"sure_inliers", "train_after", "retrain_growth", "sigma_floor", "weak_sigma"},
+     [](const auto& p) { return !ofStereo(p); }, "it needs [mapping] nodes = views or scans"},
+    {"scans", {}, [](const auto& p) { return !scans(p); }, "it needs [mapping] nodes = scans"},
     {"views", {"train_after", "retrain_growth"}, [](const auto& p) { return !p.views.vocabulary.empty(); },
      "[views] vocabulary names a tree that was trained before"},
     {"upkeep", {"upkeep", "max_views", "neighbourhood_distance", "neighbourhood_angle", "search_distance",
@@ -120,22 +135,27 @@ void requirePictures(const PipelineParams& p) {
 }
 
 void requireStereo(const PipelineParams& p) {
+  const std::string nodes = "[mapping] nodes = " + p.mapping.nodes;
   if (!p.camera.stereo)
-    throw base::ConfigError(
-        "[mapping] nodes = views needs both eyes of a stereo camera: set [camera] stereo = true and file to "
-        "its calibration");
+    throw base::ConfigError(nodes +
+                            " needs both eyes of a stereo camera: set [camera] stereo = true and "
+                            "file to its calibration");
   if (p.memory.memory != "static")
-    throw base::ConfigError("[mapping] nodes = views needs [memory] memory = static, not " + p.memory.memory +
+    throw base::ConfigError(nodes + " needs [memory] memory = static, not " + p.memory.memory +
                             ": a view is kept or forgotten as a whole");
+}
+
+void requireNoUpkeep(const PipelineParams& p) {
+  if (p.upkeep.upkeep != "none")
+    throw base::ConfigError("[upkeep] upkeep = " + p.upkeep.upkeep +
+                            " needs [mapping] nodes = views: places forget features, not themselves");
 }
 
 void requirePlaces(const PipelineParams& p) {
   if (p.camera.stereo && p.memory.memory != "static")
     throw base::ConfigError("[camera] stereo = true needs [memory] memory = static, not " + p.memory.memory +
                             ": the 3D points of a place are those that one view of it has");
-  if (p.upkeep.upkeep != "none")
-    throw base::ConfigError("[upkeep] upkeep = " + p.upkeep.upkeep +
-                            " needs [mapping] nodes = views: places forget features, not themselves");
+  requireNoUpkeep(p);
 }
 
 }  // namespace
@@ -144,8 +164,11 @@ std::span<const NamedRecipe> recipes() { return kRecipes; }
 
 const NamedRecipe& recipeOf(const PipelineParams& params) {
   requirePictures(params);
-  views(params) ? requireStereo(params) : requirePlaces(params);
-  if (views(params)) return kRecipes[3];
+  ofStereo(params) ? requireStereo(params) : requirePlaces(params);
+  if (filtered(params) && !scans(params))
+    throw base::ConfigError("[posegraph] relaxer = ekf_scans needs [mapping] nodes = scans");
+  if (scans(params)) requireNoUpkeep(params);
+  if (ofStereo(params)) return kRecipes[views(params) ? 3 : 4];
   if (params.recognise.scorer == "tfidf_incremental") return kRecipes[2];
   return params.memory.memory == "multi_store" ? kRecipes[1] : kRecipes[0];
 }

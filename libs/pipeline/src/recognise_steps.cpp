@@ -85,7 +85,8 @@ bool OnePlaceStep::sameSpot(Run& run, const Keyframe& image, Verified& verified,
   std::optional<Link> best;
   for (const base::PlaceId place : run.robot.recent()) {
     const PlaceMatch& match = recogniser_->match(run.map, image.features, place);
-    if (!match.direction_place.isZero() || !strongEnough(match, run.params.recognise)) continue;
+    if (!match.direction_place.isZero() || match.similarity < kSameSpot) continue;
+    if (!strongEnough(match, run.params.recognise)) continue;
     if (!best || match.matches.size() > best->match.matches.size()) best = Link{place, match};
   }
   if (!best) return false;

@@ -21,6 +21,24 @@ belief::BeliefParams paramsFor(Recogniser::Mode mode, const PipelineParams& para
 /// Half of the trust until the two channels are known to agree.
 constexpr double kFirstTrust = 0.5;
 
+constexpr std::size_t kLikely = 20;  // places where the robot may be that are looked at in any case,
+constexpr double kStandsOut = 2;     // those that are so many times as likely as the average
+
+/// Indices of the largest values that may be, in order; of equal ones the earlier.
+template <class MayBe>
+std::vector<std::size_t> largest(const std::vector<double>& values, std::size_t most, const MayBe& mayBe) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (found.size() == most && (most == 0 || !(values[i] > values[found.back()]))) continue;
+    if (!mayBe(i)) continue;
+    if (found.size() == most) found.pop_back();
+    found.insert(std::upper_bound(found.begin(), found.end(), values[i],
+                                  [&](double value, std::size_t j) { return value > values[j]; }),
+                 i);
+  }
+  return found;
+}
+
 belief::BeliefParams wholeImageParams(const PipelineParams& params) {
   belief::BeliefParams belief = params.belief;
   belief.likelihood = "standardised";
@@ -59,7 +77,7 @@ void Recogniser::restart() {
 
 void Recogniser::load(const map::TopologicalMap& map) {
   for (const auto& [id, place] : map.places()) placeChanged(map, place);
-  scorer_->loaded();
+  scorer_->settled(map);
   std::set<int> touched;
   for (const auto& [id, edge] : map.edges()) edgeChanged(edge, touched);
   for (const int index : touched) connect(map, index);
@@ -71,6 +89,8 @@ void Recogniser::load(const map::TopologicalMap& map) {
 void Recogniser::follow(const map::TopologicalMap& map) {
   const map::MapChanges changes = map.changesSince(read_);
   for (const auto id : changes.memories) placeChanged(map, map.place(id));
+  filter_.grow(ids_.size(), 0.0);
+  scorer_->settled(map);
   std::set<int> touched;
   for (const auto id : changes.removedEdges) edgeRemoved(id, touched);
   for (const auto id : changes.edges) edgeChanged(map.edge(id), touched);
@@ -92,7 +112,6 @@ void Recogniser::placeChanged(const map::TopologicalMap& map, const map::Place& 
     adjacency_.successor.push_back(-1);
     adjacency_.predecessor.push_back(-1);
     adjacency_.poses.emplace_back();
-    filter_.grow(ids_.size(), 0.0);
     if (wholeImage_) wholeImage_->add(map, place.id, static_cast<std::size_t>(index));
   }
   scorer_->placeChanged(static_cast<std::size_t>(index), place);
@@ -152,10 +171,31 @@ std::vector<types::Hypothesis> Recogniser::recognise(const map::TopologicalMap& 
   follow(map);
   matches_.clear();
   if (ids_.empty()) return {};
-  std::vector<double> scores = similarities(view);
+  predict(travel);
+  std::vector<double> scores = scorer_->scores(view, likely());
   if (params_.verified_scores > 0) scores = verifiedScores(map, view, scores, excluded);
   const bool looks = wholeImage_ && !picture.empty();
-  return weigh(scores, travel, excluded, looks ? wholeImage_->similarities(picture) : std::vector<double>{});
+  return weighPredicted(scores, travel.has_value(), excluded,
+                        looks ? wholeImage_->similarities(picture) : std::vector<double>{});
+}
+
+void Recogniser::predict(const std::optional<Travel>& travel) {
+  belief::MotionHint hint;
+  if (travel) {
+    hint.hops = travel->distance / spacing_;
+    hint.odometry = belief::OdometryStep{travel->step, travel->heading, spacing_};
+  }
+  filter_.predict(adjacency_, hint);
+}
+
+/// Where the robot is believed to be before it has looked: an index that misses these places loses a robot
+/// that knows where it is.
+std::vector<std::size_t> Recogniser::likely() const {
+  const std::vector<double>& believed = filter_.posterior().places;
+  std::vector<std::size_t> found = largest(believed, kLikely, [](std::size_t) { return true; });
+  const double usual = kStandsOut / static_cast<double>(believed.size());
+  std::erase_if(found, [&](std::size_t i) { return believed[i] < usual; });
+  return found;
 }
 
 const PlaceMatch& Recogniser::match(const map::TopologicalMap& map, const types::Features& view,
@@ -175,7 +215,8 @@ std::vector<double> Recogniser::verifiedScores(const map::TopologicalMap& map, c
                                                const std::vector<double>& scores,
                                                const std::set<base::PlaceId>& excluded) {
   std::vector<double> verified(scores.size(), 0.0);
-  for (const std::size_t i : largest(scores, static_cast<std::size_t>(params_.verified_scores), excluded))
+  for (const std::size_t i :
+       largest(scores, static_cast<std::size_t>(params_.verified_scores), notOf(excluded)))
     verified[i] = match(map, view, ids_[i]).similarity;
   return verified;
 }
@@ -185,22 +226,23 @@ std::vector<types::Hypothesis> Recogniser::weigh(const std::vector<double>& scor
                                                  const std::set<base::PlaceId>& excluded,
                                                  const std::vector<double>& whole) {
   if (ids_.empty()) return {};
-  belief::MotionHint hint;
-  if (travel) {
-    hint.hops = travel->distance / spacing_;
-    hint.odometry = belief::OdometryStep{travel->step, travel->heading, spacing_};
-  }
-  filter_.predict(adjacency_, hint);
+  predict(travel);
+  return weighPredicted(scores, travel.has_value(), excluded, whole);
+}
+
+std::vector<types::Hypothesis> Recogniser::weighPredicted(const std::vector<double>& scores, bool travelled,
+                                                          const std::set<base::PlaceId>& excluded,
+                                                          const std::vector<double>& whole) {
   // Odometry tells whether the robot is on new ground; without it the image has to.
   std::optional<double> newPlace;
-  if (mode_ == Mode::kMapping && !travel) newPlace = params_.closure_similarity;
+  if (mode_ == Mode::kMapping && !travelled) newPlace = params_.closure_similarity;
   update(likelihoodWithout(excluded, scores, byFeatures_, newPlace), excluded, whole);
 
   lastScores_ = scores;
   for (const auto id : excluded) lastScores_[static_cast<std::size_t>(indexOf(id))] = 0.0;
   const auto most = static_cast<std::size_t>(std::max(params_.candidates, params_.reported));
   std::vector<types::Hypothesis> hypotheses;
-  for (const std::size_t i : largest(filter_.posterior().places, most, excluded))
+  for (const std::size_t i : largest(filter_.posterior().places, most, notOf(excluded)))
     hypotheses.push_back(hypothesis(i));
   return hypotheses;
 }
@@ -221,34 +263,15 @@ types::Hypothesis Recogniser::hypothesis(std::size_t i) const {
 }
 
 std::vector<types::Hypothesis> Recogniser::mostSimilar() const {
-  std::vector<types::Hypothesis> found;
-  for (const std::size_t i : largest(lastScores_, static_cast<std::size_t>(params_.candidates), {}))
-    if (lastScores_[i] > 0) found.push_back(hypothesis(i));
-  return found;
+  return mostSimilar(static_cast<std::size_t>(params_.candidates), [](base::PlaceId) { return true; });
 }
 
 std::vector<types::Hypothesis> Recogniser::mostSimilar(
     std::size_t most, const std::function<bool(base::PlaceId)>& mayBe) const {
-  std::set<base::PlaceId> excluded;
-  for (std::size_t i = 0; i < lastScores_.size(); ++i)
-    if (!(lastScores_[i] > 0) || !mayBe(ids_[i])) excluded.insert(ids_[i]);
+  const auto similar = [&](std::size_t i) { return lastScores_[i] > 0 && mayBe(ids_[i]); };
   std::vector<types::Hypothesis> found;
-  for (const std::size_t i : largest(lastScores_, most, excluded)) found.push_back(hypothesis(i));
+  for (const std::size_t i : largest(lastScores_, most, similar)) found.push_back(hypothesis(i));
   return found;
-}
-
-/// Indices of the largest values, in order; of equal ones the earlier.
-std::vector<std::size_t> Recogniser::largest(const std::vector<double>& values, std::size_t most,
-                                             const std::set<base::PlaceId>& excluded) const {
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < ids_.size(); ++i)
-    if (!excluded.count(ids_[i])) order.push_back(i);
-  const std::size_t n = std::min(order.size(), most);
-  std::partial_sort(
-      order.begin(), order.begin() + static_cast<std::ptrdiff_t>(n), order.end(),
-      [&](std::size_t a, std::size_t b) { return values[a] != values[b] ? values[a] > values[b] : a < b; });
-  order.resize(n);
-  return order;
 }
 
 void Recogniser::confirm(base::PlaceId place) {

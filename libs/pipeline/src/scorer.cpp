@@ -2,66 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/scorer.h"
 
-#include "engram/base/parallel.h"
-#include "engram/features/place_matcher.h"
-#include "engram/pipeline/place_match.h"
 #include "engram/vocabulary/view_index.h"
 #include "engram/vocabulary/word_index.h"
+#include "ltm_scorer.h"
 
 #include <algorithm>
 #include <numeric>
 #include <optional>
+#include <span>
+#include <utility>
 
 namespace engram::pipeline {
 namespace {
-
-types::Features longTermOf(const map::Place& place) {
-  return place.memory.features.subset(place.memory.longTerm());
-}
-
-class LtmMatchScorer : public Scorer {
- public:
-  explicit LtmMatchScorer(const PipelineParams& params)
-      : match_(params.match), threads_(params.recognise.threads) {}
-
-  void placeChanged(std::size_t index, const map::Place& place) override {
-    const types::Features longTerm = longTermOf(place);
-    sizes_.resize(std::max(sizes_.size(), index + 1), 0);
-    total_ += static_cast<int>(longTerm.size()) - sizes_[index];
-    sizes_[index] = static_cast<int>(longTerm.size());
-    matcher_.set(index, longTerm);
-  }
-
-  std::vector<double> scores(const types::Features& view) const override {
-    const std::vector<int> counts = matcher_.ratioMatchCounts(view, match_, threads_);
-    std::vector<double> result(sizes_.size());
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = similarity(counts[i], reference(i));
-    return result;
-  }
-
-  /// The same for these places alone.
-  std::vector<double> scores(const types::Features& view, const std::vector<std::size_t>& places) const {
-    std::vector<double> result(places.size());
-    base::parallelFor(places.size(), threads_, [&](std::size_t k) {
-      const auto matches = matcher_.matches(view, places[k], match_);
-      result[k] = similarity(static_cast<int>(matches.size()), reference(places[k]));
-    });
-    return result;
-  }
-
- private:
-  /// F eq (8) divides by the size of the memory, and so a place that remembers little wins by accident: it
-  /// counts as one of mean size.
-  int reference(std::size_t place) const {
-    return std::max(sizes_[place], static_cast<int>(total_ / static_cast<std::int64_t>(sizes_.size())));
-  }
-
-  features::MatchParams match_;
-  int threads_;
-  features::PlaceMatcher matcher_;
-  std::vector<int> sizes_;
-  std::int64_t total_ = 0;  // of the sizes
-};
 
 class WordScorer : public Scorer {
  public:
@@ -78,10 +30,10 @@ class WordScorer : public Scorer {
     words_.removePlace(base::PlaceId(number));
     const auto seen = words_.dictionary().lookup(longTerm.descriptors, threads_);
     words_.learn(base::PlaceId(number), base::ViewId(number), longTerm.descriptors, seen);
-    if (rescore_ > 0) matcher_.placeChanged(index, place);
+    if (rescore_ > 0) matcher_.set(index, longTerm);
   }
 
-  std::vector<double> scores(const types::Features& view) const override {
+  std::vector<double> scores(const types::Features& view, std::span<const std::size_t>) const override {
     std::vector<double> result(words_.index().places(), 0.0);
     const double most = words_.index().maxVote();
     for (const auto& vote : words_.recognise(view.descriptors, threads_).votes)
@@ -108,10 +60,11 @@ class WordScorer : public Scorer {
   std::size_t rescore_;
   int threads_;
   vocabulary::WordIndex words_;
-  LtmMatchScorer matcher_;  // empty without `rescore`
+  LtmMatcher matcher_;  // empty without `rescore`
 };
 
-/// K-14. Before loaded() only descriptors are collected: the tree is trained on all of them together.
+/// K-14. Before settled() only descriptors are collected: the tree is trained on all of them together, or
+/// never.
 class TreeScorer : public Scorer {
  public:
   explicit TreeScorer(const PipelineParams& params)
@@ -128,8 +81,8 @@ class TreeScorer : public Scorer {
     waiting_[index] = longTerm.descriptors;
   }
 
-  void loaded() override {
-    if (index_) return;
+  void settled(const map::TopologicalMap&) override {
+    if (index_ || std::exchange(settled_, true)) return;
     std::vector<const types::Descriptors*> images;
     for (const auto& d : waiting_)
       if (!d.empty()) images.push_back(&d);
@@ -139,7 +92,7 @@ class TreeScorer : public Scorer {
     waiting_.clear();
   }
 
-  std::vector<double> scores(const types::Features& view) const override {
+  std::vector<double> scores(const types::Features& view, std::span<const std::size_t>) const override {
     std::vector<double> result(size_, 0.0);
     if (!index_) return result;
     const auto votes = index_->query(index_->tree().wordsOf(view.descriptors), most());
@@ -159,6 +112,7 @@ class TreeScorer : public Scorer {
   vocabulary::TreeParams params_;
   int candidates_;
   std::size_t size_ = 0;
+  bool settled_ = false;
   std::optional<vocabulary::ViewIndex> index_;  // its views are the places, by index
   std::vector<types::Descriptors> waiting_;
 };

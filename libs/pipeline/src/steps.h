@@ -82,6 +82,8 @@ struct Verified {
   /// Places that the graph has no short way to and that the image shows beside the accepted one, or while
   /// none is: the same ground, perhaps, that the robot once came to by another way. The graph judges them.
   std::vector<Link> echoes;
+  /// The image held against the scan before, which is no place; its own is invalid.
+  std::optional<Link> previous;
 };
 
 /// Decide: known, new, or neither.
@@ -91,6 +93,7 @@ struct Decision {
   types::RelPose T_known_robot{};  ///< where the robot is, seen from it
   bool agrees = true;              ///< the known place with the way since the last one
   bool judged = false;             ///< the closure that it means was judged: the map has followed
+  std::vector<Link> agreed{};      ///< links to reference scans that agree with where the robot is
 };
 
 /// Relate: the edges that are new.

@@ -14,9 +14,10 @@ namespace engram::posegraph {
 void RelaxerParams::describe(base::Params& p) {
   p.addChoice(
       "relaxer", relaxer,
-      "Solver: ceres; duckett (Angeli et al.; x, y and yaw, no kernel, slow in large loops); or MRPT's "
-      "levmarq (right only with equal weights; knows no kernel)",
-      {"ceres", "duckett", "mrpt_levmarq"});
+      "Solver: ceres; duckett (Angeli et al.; x, y and yaw, no kernel, slow in large loops); MRPT's "
+      "levmarq (right only with equal weights; knows no kernel); or, for maps of scans alone, ekf_scans "
+      "(Bertolli et al.; a Kalman filter over all poses, slow in large maps)",
+      {"ceres", "duckett", "mrpt_levmarq", "ekf_scans"});
   p.add("planar", planar, "The robot moves on a plane: only x, y and yaw of the places are free");
   p.addChoice("kernel", kernel, "Robust kernel on closures: bounds the pull of a false one",
               {"none", "huber", "cauchy", "dcs"});
@@ -115,7 +116,8 @@ std::unique_ptr<Relaxer> makeRelaxer(const RelaxerParams& params) {
   if (params.relaxer == "ceres") return makeCeresRelaxer(params);
   if (params.relaxer == "duckett") return makeDuckettRelaxer(params);
   if (params.relaxer == "mrpt_levmarq") return makeMrptRelaxer(params);
-  throw base::ConfigError("relaxer = " + params.relaxer + ": unknown; use ceres, duckett or mrpt_levmarq");
+  throw base::ConfigError("relaxer = " + params.relaxer +
+                          ": relaxes no graph; use ceres, duckett or mrpt_levmarq");
 }
 
 }  // namespace engram::posegraph

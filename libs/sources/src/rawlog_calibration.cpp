@@ -154,6 +154,12 @@ std::optional<Eigen::Isometry3d> lastPose(std::span<const std::uint8_t> bytes) {
   return in.ok() ? std::optional(pose) : std::nullopt;
 }
 
+cameras::CameraRig toRig(const RecordedCamera& camera) {
+  cameras::CameraRig rig = cameras::makeRig(std::make_shared<cameras::Pinhole>(camera.size, camera.plane));
+  if (!camera.T_robot_cam.matrix().isIdentity()) rig.T_robot_cam = camera.T_robot_cam;
+  return rig;
+}
+
 cameras::StereoRig toStereoRig(const RecordedCamera& left, const RecordedCamera& right) {
   const auto rig = [](const RecordedCamera& camera) {
     cameras::CameraRig out = cameras::makeRig(std::make_shared<cameras::Pinhole>(camera.size, camera.plane));

@@ -35,6 +35,8 @@ std::optional<RecordedPair> recordedPair(std::span<const std::uint8_t> bytes);
 /// The last CPose3DQuat in the bytes: of a CObservationStereoImages it is T_left_right.
 std::optional<Eigen::Isometry3d> lastPose(std::span<const std::uint8_t> bytes);
 
+/// With the default mount where the pose is that of a camera nobody mounted: at the origin, looking up.
+cameras::CameraRig toRig(const RecordedCamera& camera);
 cameras::StereoRig toStereoRig(const RecordedCamera& left, const RecordedCamera& right);
 
 }  // namespace engram::sources

@@ -31,18 +31,22 @@ class Source final : public RawlogSource {
       : path_(path), params_(params), folder_(imagesFolder(path, params)), parser_(path) {}
 
   std::optional<types::Frame> next() override;
-  double progress() const override { return finished_ && pending_.empty() ? 1.0 : parser_.progress(); }
+  double progress() const override { return progress_; }
   std::string problem() const override {
     return describeProblem(path_, parser_.damage(), stats_, params_, label_.value_or(""));
   }
   const RawlogStats& stats() const override { return stats_; }
   const std::optional<cameras::StereoRig>& calibration() const override { return calibration_; }
+  std::optional<cameras::CameraRig> camera() const override {
+    return camera_ ? std::optional(toRig(*camera_)) : std::nullopt;
+  }
   std::string damage() const override { return parser_.damage(); }
 
  private:
   enum class Kind { kUnknown, kObservation, kAction };
 
   void readOne();
+  void noteProgress();
   void take(ImageRecord&& record);
   void take(const OdometryRecord& record);
   void take(const ActionRecord& record);
@@ -67,6 +71,7 @@ class Source final : public RawlogSource {
   RawlogParser parser_;
   RawlogStats stats_;
   bool finished_ = false;
+  double progress_ = 0.0;
   bool hasStamp_ = false;
 
   std::optional<std::string> label_;  // of the camera in use
@@ -75,6 +80,7 @@ class Source final : public RawlogSource {
   std::deque<ImageRecord> pending_;
   std::deque<ImageRecord> rights_;  // of a camera of its own, waiting for their left ones
   std::optional<cameras::StereoRig> calibration_;
+  std::optional<RecordedCamera> camera_;
 
   Kind kind_ = Kind::kUnknown;
   std::optional<std::string> odometryLabel_;
@@ -92,11 +98,21 @@ std::optional<types::Frame> Source::next() {
     while (!pending_.empty() && (finished_ || ready(pending_.front()))) {
       ImageRecord record = std::move(pending_.front());
       pending_.pop_front();
-      if (auto frame = deliver(std::move(record))) return frame;
+      auto frame = deliver(std::move(record));
+      noteProgress();
+      if (frame) return frame;
     }
+    noteProgress();
     if (finished_) return std::nullopt;
     readOne();
   }
+}
+
+/// By images: those that are read but wait to be delivered are still to come.
+void Source::noteProgress() {
+  const auto read = static_cast<double>(stats_.images + pending_.size());
+  const double share = read > 0 ? static_cast<double>(stats_.images) / read : 1.0;
+  progress_ = std::max(progress_, share * parser_.progress());
 }
 
 void Source::readOne() {
@@ -279,6 +295,7 @@ std::optional<types::Frame> Source::deliver(ImageRecord record) {
     calibration_.reset();
     if (record.camera && record.rightCamera) calibration_ = toStereoRig(*record.camera, *record.rightCamera);
   }
+  camera_ = record.stereo ? std::nullopt : record.camera;
   frame.index = stats_.images++;
   frame.stamp = record.stamp;
   frame.label = record.image.kind == EncodedImage::Kind::kExternal ? record.image.path : record.label;

@@ -233,7 +233,12 @@ class RawlogWriter::Impl {
   // stores grey images uncompressed.
   void writeImage(const types::Frame& frame) {
     out_->header("mrpt::obs::CObservationImage", 4);
-    *out_ << mrpt::poses::CPose3D() << calibrationOf(frame.image);
+    const bool known = params_.camera && params_.camera->camera->imageSize() == frame.image.size();
+    if (known)
+      *out_ << mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(params_.camera->T_robot_cam.matrix()))
+            << toMrptCamera(*params_.camera);
+    else
+      *out_ << mrpt::poses::CPose3D() << calibrationOf(frame.image);
     writePixels(frame.image, "", left_);
     out_->value(rawlogTicks(frame.stamp));
     out_->text(params_.sensor_label);

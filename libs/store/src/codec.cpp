@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint8_t kVersion = 1;       // of every kind of row
 constexpr std::uint8_t kStateVersion = 3;  // but of these
 constexpr std::uint8_t kStateWithRedetections = 2;
-constexpr std::uint8_t kPlaceVersion = 2;
+constexpr std::uint8_t kPlaceWithStanding = 2, kPlaceVersion = 3;
 constexpr std::uint8_t kFeaturesVersion = 2;  // rows with features; 1 without ranges
 
 constexpr std::uint8_t kHasBearings = 1, kHasRanges = 2;  // of features
@@ -182,9 +182,37 @@ MapState decodeState(std::span<const std::uint8_t> row) {
   return s;
 }
 
-Blob encode(const map::Place& place) {
+namespace {
+
+std::uint8_t versionFor(const map::Place& place) {
+  if (!place.joint.empty()) return kPlaceVersion;
   const bool judged = place.standing != map::Standing::kConfirmed || place.matchedStamp;
-  BlobWriter out(RowKind::kPlace, judged ? kPlaceVersion : kVersion);
+  return judged ? kPlaceWithStanding : kVersion;
+}
+
+void putJoint(BlobWriter& out, const map::JointErrors& joint) {
+  out.put(static_cast<std::uint8_t>(joint.cov.rows()));
+  out.varint(joint.with.size());
+  for (const map::PlaceId id : joint.with) out.put(id.value);
+  out.raw(joint.cov.data(), sizeof(double) * static_cast<std::size_t>(joint.cov.size()));
+}
+
+map::JointErrors getJoint(BlobReader& in) {
+  map::JointErrors joint;
+  const auto rows = in.get<std::uint8_t>();
+  if (rows != 3 && rows != 6) throw base::Error("its covariance is of an unknown size");
+  joint.with.resize(in.count(4 + sizeof(double) * rows * rows));
+  for (map::PlaceId& id : joint.with) id = map::PlaceId(in.get<std::uint32_t>());
+  joint.cov.resize(rows, rows * static_cast<Eigen::Index>(joint.with.size()));
+  in.raw(joint.cov.data(), sizeof(double) * static_cast<std::size_t>(joint.cov.size()));
+  return joint;
+}
+
+}  // namespace
+
+Blob encode(const map::Place& place) {
+  const std::uint8_t version = versionFor(place);
+  BlobWriter out(RowKind::kPlace, version);
   putPose(out, place.T_map_place);
   out.put(place.createdStamp);
   out.varint(place.createdIndex);
@@ -192,11 +220,12 @@ Blob encode(const map::Place& place) {
   out.put(static_cast<std::int32_t>(place.session));
   out.put(static_cast<std::uint8_t>(place.T_world_place ? 1 : 0));
   if (place.T_world_place) putPose(out, *place.T_world_place);
-  if (judged) {
+  if (version >= kPlaceWithStanding) {
     out.put(static_cast<std::uint8_t>(place.standing));
     out.put(static_cast<std::uint8_t>(place.matchedStamp ? 1 : 0));
     if (place.matchedStamp) out.put(*place.matchedStamp);
   }
+  if (version >= kPlaceVersion) putJoint(out, place.joint);
   return std::move(out).seal(place.id.value);
 }
 
@@ -210,13 +239,14 @@ map::Place decodePlace(std::span<const std::uint8_t> row, std::uint64_t id) {
   place.createdLabel = in.text();
   place.session = in.get<std::int32_t>();
   if (in.flag()) place.T_world_place = getPose(in);
-  if (in.version() >= 2) {
+  if (in.version() >= kPlaceWithStanding) {
     const auto standing = in.get<std::uint8_t>();
     if (standing > static_cast<std::uint8_t>(map::Standing::kProbation))
       throw base::Error("it is of an unknown standing");
     place.standing = static_cast<map::Standing>(standing);
     if (in.flag()) place.matchedStamp = in.get<double>();
   }
+  if (in.version() >= kPlaceVersion) place.joint = getJoint(in);
   in.requireEnd();
   return place;
 }

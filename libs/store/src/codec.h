@@ -22,8 +22,8 @@ struct MapState {
 // Rows as sealed blobs. Floating point numbers keep every bit, so that a map read again equals the one
 // written.
 Blob encode(const MapState& state);
-/// Without the memory, which has its own row. The standing came with version 2 of the row; a place of which
-/// there is nothing to say is written as version 1.
+/// Without the memory, which has its own row. The standing came with version 2 of the row, joint errors with
+/// version 3; a place of which there is nothing to say is written as version 1.
 Blob encode(const map::Place& place);
 Blob encodeMemory(map::PlaceId id, const memory::PlaceMemory& memory);
 Blob encodeFeatures(const types::Features& features, std::uint64_t row);

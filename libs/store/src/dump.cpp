@@ -112,6 +112,9 @@ void dump(std::ostream& out, const map::MapHeader& header, const map::MapContent
     if (p.T_world_place) out << " surveyed " << pose(*p.T_world_place);
     if (p.standing != map::Standing::kConfirmed) out << " standing " << map::toString(p.standing);
     if (p.matchedStamp) out << " matched " << exact(*p.matchedStamp);
+    if (!p.joint.empty()) out << " errors with";
+    for (const auto& other : p.joint.with) out << ' ' << other.value;
+    if (!p.joint.empty()) out << " covariance " << numbers(p.joint.cov);
     out << '\n';
     dumpMemory(out, p.memory);
   }

@@ -206,10 +206,35 @@ Plan loopsPlan(base::Rng rng) {
   return d.plan;
 }
 
+// Two rooms and a corridor between them. The tour leaves the first, goes round in the second, and comes back
+// through the same corridor: the drive of Bertolli et al. 2006.
+Plan roomsPlan() {
+  Draughtsman d("rooms", 44, 12);
+  d.fill(1, 1, 42, 10, '#');
+  d.fill(2, 2, 13, 9, 'a'), d.fill(30, 2, 41, 9, 'b');
+  d.fill(15, 4, 28, 7, '.');
+  d.doorV(14, 5), d.doorV(29, 5);
+  windowsH(d, 2, 13, 1, 2, 4), windowsH(d, 30, 41, 10, 2, 4);
+  for (const auto& [x, y] : {std::pair{4.5, 7.5},
+                             {11.0, 7.5},
+                             {12.5, 6.3},
+                             {31.0, 6.3},
+                             {33.0, 7.5},
+                             {39.0, 7.5},
+                             {39.0, 4.5},
+                             {33.0, 4.5},
+                             {31.0, 5.7},
+                             {12.5, 5.7},
+                             {11.0, 4.5},
+                             {4.5, 4.5}})
+    d.visit(x, y);
+  return d.plan;
+}
+
 }  // namespace
 
 const std::vector<std::string>& presetNames() {
-  static const std::vector<std::string> names{"tiny", "office", "corridors", "campus", "loops"};
+  static const std::vector<std::string> names{"tiny", "office", "corridors", "campus", "loops", "rooms"};
   return names;
 }
 
@@ -226,8 +251,10 @@ Plan presetPlan(const std::string& preset, std::uint64_t seed) {
     plan = campusPlan(rng);
   else if (preset == "loops")
     plan = loopsPlan(rng);
+  else if (preset == "rooms")
+    plan = roomsPlan();
   else
-    throw base::Error("unknown preset '" + preset + "'; use tiny, office, corridors, campus or loops");
+    throw base::Error("unknown preset '" + preset + "'; use tiny, office, corridors, campus, loops or rooms");
   return parsePlan(plan.toText(), "preset " + preset);  // holds the generator to the rules of the format
 }
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/apps/offline_input.h"
 #include "engram/apps/run_config.h"
 #include "engram/capture/live_source.h"
 #include "engram/evaluation/running_percentiles.h"
-#include "engram/sources/rawlog_source.h"
 #include "engram/sources/rawlog_writer.h"
 #include "engram/types/frame.h"
 #include "engram/types/frame_report.h"
@@ -20,23 +20,25 @@
 
 namespace engram::apps {
 
-/// The images of a run: of a rawlog, or of a live camera. A live run can be recorded; it then works on the
-/// images as the rawlog holds them, so that the replay gives the same result to the last bit.
+/// The images of a run: of a rawlog, of files, of a video, or of a live camera. A live run can be recorded;
+/// it then works on the images as the rawlog holds them, so that the replay gives the same result to the last
+/// bit.
 class RunInput {
  public:
   void declare(CLI::App& app);
   bool live() const { return live_ != nullptr; }
-  const std::string& rawlog() const { return rawlog_; }
-  bool given(const RunConfig& config) const { return !rawlog_.empty() || !config.liveSection.empty(); }
+  bool given(const RunConfig& config) const { return offline_.given() || !config.liveSection.empty(); }
+  /// What the images are read from; empty for a live camera.
+  const std::string& path() const { return offline_.path(); }
 
-  /// Opens once: another call does nothing.
+  /// Opens once, and settles the calibration in `config`: another call does nothing.
   /// @param notices takes messages while the run is under way
   /// Throws base::Error for bad options, and as openRawlog() and LiveSource.
-  void open(const RunConfig& config, std::ostream& notices);
-  /// The file name of the rawlog, or the name of the live camera's section.
+  void open(RunConfig& config, std::ostream& notices);
+  /// The file name of the images, or the name of the live camera's section.
   std::string source(const RunConfig& config) const;
-  /// The image that next() will return first; null when there is none. For rawlogs.
-  const types::Frame* peek();
+  /// The image that next() will return first; null when there is none. Not for live cameras.
+  const types::Frame* peek() { return offline_.peek(); }
   /// None at the end, after Ctrl-C, and after --seconds.
   std::optional<types::Frame> next();
   double progress() const;
@@ -61,12 +63,11 @@ class RunInput {
   bool timeIsUp(const types::Frame& frame);
   bool isOverdue() const;
 
-  std::string rawlog_, recordPath_;
+  OfflineInput offline_;
+  std::string recordPath_;
   double seconds_ = 0.0;
   bool overwriteRecord_ = false;
 
-  std::unique_ptr<sources::RawlogSource> offline_;
-  std::optional<types::Frame> peeked_;
   std::unique_ptr<capture::LiveSource> live_;
   std::unique_ptr<sources::RawlogWriter> recorder_;
   std::string recordFailure_;

@@ -22,7 +22,7 @@ class IniFile {
   };
   using Section = std::map<std::string, Value>;
 
-  static IniFile load(const std::string& path);
+  static IniFile load(const std::string& path);  ///< a key `file` is relative to it, links resolved
   static IniFile parse(const std::string& text, const std::string& name);
 
   /// Applies `section.key=value` of the command line on top.

@@ -44,6 +44,8 @@ class MotionModel {
   virtual void learn(const Layers& /*joint*/, double /*known*/) {}
   /// Moves the mass of `from` and adds it to `to`; its sum stays the same.
   virtual void move(const Adjacency& adjacency, const Layers& from, const MotionHint& hint, Layers& to) = 0;
+  /// Whether the camera sees every place from every layer: visible() is 1 then.
+  virtual bool seesAll() const { return true; }
   /// Weight of the evidence for a place in layer k, 1 in the mean: whether the camera would show it.
   virtual double visible(std::size_t /*layer*/, std::size_t /*place*/) const { return 1.0; }
 };

@@ -25,6 +25,15 @@ using Trajectory = std::vector<StampedPose>;
 Trajectory readTum(const std::string& path);
 Trajectory parseTum(const std::string& text, const std::string& name);
 
+/// Poses as data sets ship them, told by the fields of a line: TUM; EuRoC's csv (`ns,x,y,z,qw,qx,qy,qz,…`);
+/// KITTI's matrices of 3 x 4 or 4 x 4 numbers, with the stamps of `times.txt` beside the file or, without it,
+/// one second apart from 0, as images without stamps are. Throws base::Error as readTum().
+Trajectory readPoses(const std::string& path);
+/// @param name the path, for messages and to find `times.txt`
+Trajectory parsePoses(const std::string& text, const std::string& name);
+/// Whether a line is a pose in one of these forms.
+bool isPoseLine(const std::string& line);
+
 /// Writes what readTum() reads, with all digits that matter.
 void writeTum(std::ostream& out, std::span<const StampedPose> trajectory);
 

@@ -37,7 +37,7 @@ enum class TruthKind : std::uint8_t {
   kMatches,  ///< `image,matches`: numbers of image files; the matches are separated by white space
   kLinks,    ///< `a,b[,source]`: neighbours, numbers of image files; a place is right for itself and its
              ///< neighbours
-  kPoses,    ///< TUM: `stamp x y z qx qy qz qw` of the query drive
+  kPoses,    ///< poses of the query drive, in a form of readPoses()
 };
 
 const char* toString(TruthKind kind);
@@ -69,6 +69,8 @@ class Truth {
   std::size_t size() const { return kind_ == TruthKind::kPoses ? poses_.size() : keys_.size(); }
   /// How many of its poses have stamps [s] from `first` to `last`, give or take TruthOptions::maxGap.
   std::size_t posesWithin(double first, double last) const;
+  /// Of its poses [s]; 0 and 0 when it has none.
+  std::pair<double, double> stampRange() const;
   const TruthOptions& options() const { return options_; }
 
   /// Whether it is right to find `query` at the place that `place` made.

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace engram::features {
@@ -33,6 +34,11 @@ class PlaceMatcher {
   /// For each place the number of matches, equal to match(quantised query, quantised place).size().
   std::vector<int> ratioMatchCounts(const types::Features& query, const MatchParams& params,
                                     int threads = 1) const;
+
+  /// The same for these places alone, in their order.
+  /// @throws std::invalid_argument when there is no such place.
+  std::vector<int> ratioMatchCounts(const types::Features& query, std::span<const std::size_t> places,
+                                    const MatchParams& params, int threads = 1) const;
 
   /// The matches with one place; a = feature of `query`, b = feature of the place.
   std::vector<types::Match> matches(const types::Features& query, std::size_t place,

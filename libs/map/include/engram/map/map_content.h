@@ -51,6 +51,16 @@ enum class Standing : std::uint8_t {
 
 const char* toString(Standing standing);
 
+/// How a pose errs together with those of earlier places: errors of the map frame, see
+/// posegraph::ScanFilter. The covariance has 3 rows (x, y, yaw) or 6, and as many columns for each of `with`.
+struct JointErrors {
+  std::vector<PlaceId> with;  ///< rising, last the place itself; may name places that are gone
+  Eigen::MatrixXd cov;        ///< [m] and [rad]
+  bool empty() const { return with.empty(); }
+  /// Of the place alone.
+  Eigen::MatrixXd own() const { return cov.rightCols(cov.rows()); }
+};
+
 /// A place of the topological map: one node.
 struct Place {
   PlaceId id;
@@ -62,6 +72,7 @@ struct Place {
   int session = 0;  ///< drive in which it was made, from 0
   Standing standing = Standing::kConfirmed;
   std::optional<double> matchedStamp;  ///< [s] of the last view that matched it, if that is kept (K-E9)
+  JointErrors joint;  ///< of the pose, where a filter keeps it; empty once the pose is moved otherwise
   std::optional<Eigen::Isometry3d>
       T_world_place;  ///< surveyed pose, for evaluation only: no step may read it
 };

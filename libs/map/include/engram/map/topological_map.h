@@ -29,7 +29,7 @@ class TopologicalMap {
   /// A map read from a file. Throws base::Error with the first broken rule.
   explicit TopologicalMap(MapContent content);
 
-  /// The id of the argument is ignored; the new one is returned.
+  /// The id of the argument is ignored, and so are its joint errors; the new id is returned.
   PlaceId addPlace(Place place);
   ViewId addView(View view);
   /// Needs known ends, a != b, a finite pose and a symmetric positive definite covariance. Correspondences
@@ -48,6 +48,8 @@ class TopologicalMap {
 
   void setPose(PlaceId id, const Eigen::Isometry3d& T_map_place);
   void setPoses(const std::map<PlaceId, Eigen::Isometry3d>& T_map_place);
+  /// Keeps how poses err. @param joint by place; `with` ends with it
+  void setJointErrors(const std::map<PlaceId, JointErrors>& joint);
   /// Keeps what the rules of forgetting decided.
   void setStanding(PlaceId id, Standing standing, std::optional<double> matchedStamp);
   /// Keeps the true pose of a place, for evaluation.

@@ -29,8 +29,6 @@ class ClosureBook {
   /// Nothing changes in the map before apply(). A closure that is the first to join two parts of the map is
   /// accepted: there is nothing yet that could deny it.
   posegraph::ClosureDecision propose(const map::TopologicalMap& map, map::Edge edge);
-  /// Closures that the graph denies although as many as it asks for say the same.
-  int denied() const;
   /// Judges all again, at the end of a drive.
   void review(const map::TopologicalMap& map);
 

@@ -17,7 +17,6 @@ struct OdometryHealth {
   int leaps = 0;           ///< of these, such as no robot makes: their ways count as unknown
   double fastest = 0;      ///< of the others [m/s]
   double fastestLeap = 0;  ///< [m/s]
-  int denied = 0;          ///< closures that agree with each other and not with odometry
   int frozen = 0;          ///< images that moved while the wheels stood
 
   int compared = 0;            ///< ways of which images told the rotation, too
@@ -31,7 +30,6 @@ struct OdometryHealth {
 enum class OdometryFault {
   kNone,
   kLeaps,      ///< single leaps; the map was made without them
-  kDenied,     ///< closures that agree with each other contradict it
   kTooFast,    ///< more leaps than ways
   kFrozen,     ///< it stands while the images move
   kHeading,    ///< it turns otherwise than the images
@@ -54,8 +52,6 @@ class OdometryWatch {
   /// odometry.
   /// @param stamp of the image [s]
   bool leaps(const Eigen::Isometry3d& T_odom_robot, double stamp);
-  /// So many closures agree with each other and contradict odometry.
-  void denied(int closures) { health_.denied = closures; }
   /// The images moved while the wheels stood.
   void frozen() { ++health_.frozen; }
   /// Compares a way by the wheels with what the images at its ends tell of it.

@@ -11,6 +11,7 @@
 #include "engram/geometry/verify.h"
 #include "engram/memory/models.h"
 #include "engram/odometry/params.h"
+#include "engram/odometry/visual_scan.h"
 #include "engram/pipeline/perception.h"
 #include "engram/posegraph/relaxer.h"
 #include "engram/upkeep/upkeep.h"
@@ -47,7 +48,9 @@ struct PlaceParams {
 /// Section `[recognise]`.
 struct RecogniseParams {
   std::string scorer = "ltm_match";  ///< what scores the places: see makeScorer()
-  int rescore = 30;  ///< tfidf_incremental: places that are matched by descriptors; 0: words alone
+  int exhaustive_places = 200;  ///< ltm_match: in a map of more an index proposes those that are matched,
+  int proposals = 60;           ///< so many
+  int rescore = 30;             ///< tfidf_incremental: places that are matched by descriptors; 0: words alone
   int verified_scores =
       0;               ///< best places whose score counts verified matches alone; 0: scores by descriptors
   int candidates = 5;  ///< hypotheses that go to geometric verification, best first
@@ -115,6 +118,21 @@ struct ViewParams {
   void describe(base::Params& p);
 };
 
+/// Section `[scans]`: visual scans (Bertolli, Jensfelt & Christensen 2006).
+struct ScansParams {
+  odometry::ScanParams scan;
+  odometry::ScanMatchParams match;
+  bool refine = true;  ///< disparities by correlation where that finds them, not by keypoints alone
+  double reach = 3;    ///< [m] from a reference at which the robot can match it (V-E5)
+  int candidates = 6;  ///< references near the robot that are matched, nearest first
+  /// A reference matched by fewer points does not keep the scan before from becoming one; 0: V-08 as written.
+  int thin = 40;
+  double step = 0.3;           ///< [m] without wheels: deviation of the motion from the one before, an image
+  double turn = 0.1745329252;  ///< [rad] the same
+
+  void describe(base::Params& p);
+};
+
 /// The whole configuration of a pipeline.
 struct PipelineParams {
   MappingParams mapping;
@@ -137,6 +155,7 @@ struct PipelineParams {
   memory::MultiStoreParams multi_store;
   posegraph::RelaxerParams posegraph;
   ViewParams views;
+  ScansParams scans;
   upkeep::UpkeepParams upkeep;
 
   /// Binds every struct to its section; this object must outlive `config`.

@@ -10,7 +10,9 @@
 #include "engram/cameras/rectifier.h"
 #include "engram/features/extractor.h"
 #include "engram/map/map_content.h"
+#include "engram/odometry/row_matcher.h"
 #include "engram/odometry/stereo_check.h"
+#include "engram/odometry/visual_scan.h"
 #include "engram/types/features.h"
 #include "engram/types/frame.h"
 #include "engram/types/frame_report.h"
@@ -23,6 +25,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace engram::pipeline {
 
@@ -77,6 +80,10 @@ class Perception {
   types::StereoPair lookWithBothEyes(const types::Frame& frame);
   /// Where the rectified left image may be used.
   const cv::Mat& rectifiedMask() const { return rectifier_->mask(); }
+  /// Features of the left and of the right image, each by itself.
+  std::pair<types::Features, types::Features> ofEachEye(const types::StereoPair& pair) const;
+  /// Disparities of rectified images by correlation.
+  odometry::RowMatcher rows(const types::StereoPair& pair) const { return {pair, params_.max_disparity}; }
   /// Features of rectified images, with ranges.
   types::Features operator()(const types::StereoPair& pair) const;
 
@@ -112,6 +119,11 @@ class Perception {
   cv::Size expectedSize_;  // of the images as they come
   bool checkedFirst_ = false;
 };
+
+/// The visual scan of rectified images (V-01): points that both eyes see, with descriptors of the left one.
+/// @param refine see ScansParams
+types::Features scanOf(const Perception& perception, const types::StereoPair& pair,
+                       const odometry::ScanParams& params, bool refine);
 
 /// The features of a stereo view: the strongest whose range is known, at most so many (K-38).
 types::Features viewFeatures(const Perception& perception, const types::StereoPair& pair, int most);

@@ -19,16 +19,16 @@ enum class Use {
   kAdapting,  ///< that, and its places learn what they are verified to look like
 };
 
-enum class Perceive { kFeatures, kPair };
+enum class Perceive { kFeatures, kPair, kScan };
 enum class Move { kWheels, kEyes };
 enum class Select { kMotion, kKeyframe, kEvery };
-enum class Recognise { kBelief, kIndex };
-enum class Verify { kOneOnTerrain, kOneOnWay, kAllViews };
-enum class Decide { kPlace, kView, kKnown };
-enum class Remember { kPlace, kView, kLater, kNothing };
-enum class Relate { kPlace, kView, kFollow };
+enum class Recognise { kBelief, kIndex, kNear };
+enum class Verify { kOneOnTerrain, kOneOnWay, kAllViews, kScans };
+enum class Decide { kPlace, kView, kScan, kKnown };
+enum class Remember { kPlace, kView, kScan, kLater, kNothing };
+enum class Relate { kPlace, kView, kScan, kFollow };
 enum class Forget { kNothing, kLruViews };
-enum class Relax { kPlace, kView, kNothing };
+enum class Relax { kPlace, kView, kScan, kNothing };
 
 /// Which strategy does each step of the pipeline.
 struct Recipe {

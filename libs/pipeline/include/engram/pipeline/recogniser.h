@@ -98,11 +98,17 @@ class Recogniser {
   void count(const Passage& passage, int sign);
   void connect(const map::TopologicalMap& map, int index);
   int indexOf(base::PlaceId id) const;
+  void predict(const std::optional<Travel>& travel);
+  std::vector<types::Hypothesis> weighPredicted(const std::vector<double>& scores, bool travelled,
+                                                const std::set<base::PlaceId>& excluded,
+                                                const std::vector<double>& whole);
   void update(const belief::Likelihood& features, const std::set<base::PlaceId>& excluded,
               const std::vector<double>& whole);
   types::Hypothesis hypothesis(std::size_t index) const;
-  std::vector<std::size_t> largest(const std::vector<double>& values, std::size_t most,
-                                   const std::set<base::PlaceId>& excluded) const;
+  std::vector<std::size_t> likely() const;
+  auto notOf(const std::set<base::PlaceId>& excluded) const {
+    return [this, &excluded](std::size_t index) { return !excluded.contains(ids_[index]); };
+  }
   std::vector<double> verifiedScores(const map::TopologicalMap& map, const types::Features& view,
                                      const std::vector<double>& scores,
                                      const std::set<base::PlaceId>& excluded);

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace engram::pipeline {
@@ -21,15 +22,20 @@ class Scorer {
   /// A place was added (its index is then the number of places so far), or its memory has changed.
   virtual void placeChanged(std::size_t index, const map::Place& place) = 0;
 
-  /// All places of a map that was read are here now.
-  virtual void loaded() {}
+  /// All changes of the map were told; the first time, all places that it has had from the start.
+  virtual void settled(const map::TopologicalMap& /*map*/) {}
 
   /// One score in [0, 1] for each place, by index. The result does not depend on the number of threads.
-  virtual std::vector<double> scores(const types::Features& view) const = 0;
+  /// @param likely places that are to be looked at closely, whatever they look like at first sight
+  virtual std::vector<double> scores(const types::Features& view,
+                                     std::span<const std::size_t> likely) const = 0;
+  std::vector<double> scores(const types::Features& view) const { return scores(view, {}); }
 };
 
 /// By `[recognise] scorer`:
-/// - `ltm_match`: F eq (8), ratio-test matches over long-term features, every place by itself;
+/// - `ltm_match`: F eq (8), ratio-test matches over long-term features, every place by itself. In a map of
+///   more than `exhaustive_places` an inverted file proposes `proposals` places for it. Others get scores
+///   that are spread as those of a sample of them, so that evidence stands out of the same background;
 /// - `tfidf_incremental`: votes of the words of the incremental dictionary, over the largest
 ///   possible vote. The words of a place are those of its long-term features. The dictionary is no part of a
 ///   map file: it is made from the places in the order of their ids, so equal maps give equal answers. With

@@ -85,6 +85,9 @@ class RawlogSource : public FrameSource {
   virtual const RawlogStats& stats() const = 0;
   /// The calibration that the last stereo frame came with; none when it had none that Engram knows.
   virtual const std::optional<cameras::StereoRig>& calibration() const = 0;
+  /// That of the last frame of one camera. Where the rawlog does not say how the camera is mounted, it has
+  /// the default mount.
+  virtual std::optional<cameras::CameraRig> camera() const = 0;
   /// Damage that ended the stream early; empty otherwise.
   virtual std::string damage() const = 0;
   /// Whether nothing of the rawlog was lost so far. What problem() says besides is no more than a notice.

@@ -28,8 +28,11 @@ struct RawlogWriterParams {
   /// programs pass on and show. Truth refers to these names.
   bool file_names = false;
   std::optional<cameras::StereoRig> stereo;  ///< calibration to write with stereo pairs
-  bool overwrite = false;                    ///< replace an existing rawlog (and its folder of images)
-  bool live = false;  ///< what is written cannot be made again: keep it whatever happens
+  /// The same with images of one camera, those of its size; of a camera that is no pinhole MRPT knows only
+  /// that.
+  std::optional<cameras::CameraRig> camera;
+  bool overwrite = false;  ///< replace an existing rawlog (and its folder of images)
+  bool live = false;       ///< what is written cannot be made again: keep it whatever happens
   bool sync = true;  ///< flush() waits for the disk; false: for the system alone, which outlives this program
 };
 
