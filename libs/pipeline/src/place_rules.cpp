@@ -11,6 +11,8 @@
 namespace engram::pipeline {
 namespace {
 
+constexpr std::size_t kOverrules = 40;  // matches of one image that overrule odometry
+
 Eigen::Isometry3d withRotation(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = R;
@@ -115,9 +117,8 @@ Agreement withOdometry(const Run& run, const Link& link) {
 }
 
 bool callsOdometryWrong(const Run& run, const Link& link) {
-  const int sure = run.params.recognise.sure_inliers;
-  return sure > 0 && link.match.length && static_cast<int>(link.match.matches.size()) >= sure &&
-         withOdometry(run, link) == Agreement::kContradicts;
+  return run.params.recognise.sure_inliers > 0 && link.match.length &&
+         link.match.matches.size() >= kOverrules && withOdometry(run, link) == Agreement::kContradicts;
 }
 
 std::function<bool(base::PlaceId)> farFrom(const Run& run, base::PlaceId place) {
