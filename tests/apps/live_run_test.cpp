@@ -130,7 +130,7 @@ TEST_F(LiveRun, SaysWhatIsWrong) {
            "wheels.driver=CNoSuchSensor"},
           "[wheels] driver = CNoSuchSensor: MRPT knows no such sensor");
   refused({"--live", "front", "--set", "front.camera=Fake_1", "--stream", path("none/s")}, "--stream");
-  refused({}, "--rawlog or --live is missing", kUsage);
+  refused({}, "--live is missing", kUsage);
   std::ofstream(path("r.rawlog")) << "precious";
   refused({"--live", "front", "--set", "front.camera=Fake_1", "--record", path("r.rawlog")},
           "exists already");

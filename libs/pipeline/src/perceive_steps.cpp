@@ -23,6 +23,7 @@ enum class Sight { kMoved, kStood, kUnknown };
 /// Someone may stand before the robot: then geometry cannot tell.
 Sight motionSeen(const types::Features& now, const types::Features& then,
                  std::span<const types::Match> matches, const geometry::VerifyParams& params) {
+  if (now.bearings.empty() || then.bearings.empty()) return Sight::kUnknown;
   const auto v = geometry::verify(now, then, matches, Eigen::Vector3d::UnitZ(), params);
   if (!v.ok()) return Sight::kUnknown;
   const Eigen::Isometry3d& T = v.T_a_b.T_a_b;

@@ -126,7 +126,11 @@ bool OnePlaceStep::similar(Run& run, const Keyframe& image, Verified& verified, 
     noteInliers(report.hypotheses, hypothesis);
     if (match.verified() && hypothesis.inliers > (best ? best->inliers : 0)) best = hypothesis;
   }
-  if (!best || best->inliers < run.params.recognise.sure_inliers) return false;
+  // What is wrong while mapping stays in the map.
+  const auto& params = run.params.recognise;
+  const int enough =
+      fit_ == Fit::kWay ? params.sure_inliers : std::max(params.sure_inliers, params.closure_inliers);
+  if (!best || best->inliers < enough) return false;
   verified.links.push_back({best->place, recogniser_->match(run.map, image.features, best->place)});
   Link found = verified.links.back();
   if (!accepts(run, image, found, verified) || ambiguous(run, image, found, verified, report)) return false;

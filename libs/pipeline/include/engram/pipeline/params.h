@@ -60,8 +60,8 @@ struct RecogniseParams {
   double ambiguity =
       0.8;  ///< a leap is refused when a far place has so many of its verified matches; 0: never
   int closure_inliers = 30;  ///< the same for a loop closure: K-15 saw no false one from 30 on
-  /// So many verified matches need no belief (K-15, K-21); 0: belief always decides. 24: Gardens Point image by
-  /// image; shown on Milford and in the simulated office.
+  /// So many verified matches need no belief (K-15, K-21); 0: belief always decides. 24: Gardens Point image
+  /// by image; shown on Milford and in the simulated office.
   int sure_inliers = 24;
   double closure_similarity =
       0.35;  ///< new_place_similarity while mapping: what unlike places of a building share

@@ -68,8 +68,8 @@ void noteInliers(std::vector<types::Hypothesis>& hypotheses, const types::Hypoth
 /// F eq (8) as F-E11 simplifies it: sqrt(matches / features of the reference); 0 for an empty reference.
 double similarity(int matches, int referenceFeatures);
 
-/// From this similarity of verified matches on, a view that shows no parallax was taken at the same spot. Below,
-/// what lies ahead of a camera that moves forward may hide it.
+/// From this similarity of verified matches on, a view that shows no parallax was taken at the same spot.
+/// Below, what lies ahead of a camera that moves forward may hide it.
 inline constexpr double kSameSpot = 0.7;
 
 }  // namespace engram::pipeline
