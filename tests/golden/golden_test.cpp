@@ -42,6 +42,9 @@ const std::vector<GoldenCase>& cases() {
        {"mapping.nodes=places", "recognise.closure_similarity=0.1", "select.min_distance=0.2",
         "place.spacing=0.4"},
        "+places"},
+      {"visual_scans", "stereo"},
+      {"visual_scans", "stereo", {"posegraph.relaxer=ceres"}, "+graph"},
+      {"paper_scans", "stereo"},
   };
   return all;
 }
