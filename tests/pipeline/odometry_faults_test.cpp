@@ -126,5 +126,39 @@ TEST(OdometryFaults, ADeadEncoderMakesAMapWithoutOdometry) {
   EXPECT_GE(m.places, undisturbed().places);
 }
 
+/// The first drive with wheels of another radius.
+Frames withWheels(double factor) {
+  return retold([factor](std::size_t, Eigen::Isometry3d T) {
+    T.translation() *= factor;
+    return T;
+  });
+}
+
+/// Length of the map over the true one: of all straight distances between its places.
+double lengthOf(const map::TopologicalMap& map) {
+  const auto at = [](const map::Place& place) { return firstDrive().T_world_robot[place.createdIndex]; };
+  double found = 0, truth = 0;
+  for (const auto& [i, a] : map.places())
+    for (const auto& [k, b] : map.places()) {
+      found += (a.T_map_place.translation() - b.T_map_place.translation()).norm();
+      truth += (at(a).translation() - at(b).translation()).norm();
+    }
+  return found / truth;
+}
+
+/// Wheels 2 % too small, then 2 % too large: the map is half way after two drives, and as good as true.
+TEST(OdometryFaults, EachDriveIsAVoteOnTheMetre) {
+  const auto drive = [](map::TopologicalMap known, double factor) {
+    Pipeline mapper(tinyParams(), std::move(known));
+    for (const types::Frame& frame : withWheels(factor)) mapper.process(frame);
+    mapper.finish();
+    return mapper.map();
+  };
+  const double sound = lengthOf(drive({}, 1));
+  const map::TopologicalMap first = drive({}, 1.02);
+  EXPECT_NEAR(lengthOf(first) / sound, 1.02, 0.003);
+  EXPECT_NEAR(lengthOf(drive(first, 0.98)) / sound, 1, 0.006);
+}
+
 }  // namespace
 }  // namespace engram::pipeline

@@ -18,6 +18,23 @@ namespace {
 constexpr double kHoldSpacings = 5, kHoldSigma = 0.15, kHoldGap = 0.5, kHoldTurn = 0.15;
 constexpr std::ptrdiff_t kMostHolds = 12;
 
+bool isSharp(const types::RelPose& measured) {
+  return measured.cov(0, 0) <= kHoldSigma * kHoldSigma && measured.cov(1, 1) <= kHoldSigma * kHoldSigma;
+}
+
+bool fitsMap(const Run& run, const map::Edge& edge) {
+  const Eigen::Isometry3d now =
+      run.map.place(edge.a).T_map_place.inverse() * run.map.place(edge.b).T_map_place;
+  const types::Vector6d gap = types::logSe3(edge.T_a_b.T_a_b.inverse() * now);
+  return gap.head<3>().norm() < kHoldGap && gap.tail<3>().norm() < kHoldTurn;
+}
+
+std::ptrdiff_t holdsAt(const Run& run, base::PlaceId place) {
+  const auto around = run.map.neighbours(place);
+  return std::count_if(around.begin(), around.end(),
+                       [](const map::Neighbour& n) { return n.type == map::EdgeType::kDeadReckoning; });
+}
+
 }  // namespace
 
 void watchOdometry(Run& run, std::span<const Link> links) {
@@ -31,9 +48,7 @@ void watchOdometry(Run& run, std::span<const Link> links) {
 
 void holdToMap(Run& run, const Link& link) {
   const auto measured = measuredBy(link.match, run.perception.eye());
-  if (!measured || link.overrules || measured->cov(0, 0) > kHoldSigma * kHoldSigma ||
-      measured->cov(1, 1) > kHoldSigma * kHoldSigma)
-    return;
+  if (!measured || link.overrules || !isSharp(*measured)) return;
   if (const auto& T_odom_robot = run.robot.odometry()) {
     const Eigen::Isometry3d T_map_robot = run.map.place(link.place).T_map_place * measured->T_a_b;
     run.scale.add(T_map_robot.translation(), T_odom_robot->translation(), run.robot.piece());
@@ -46,15 +61,7 @@ void holdToMap(Run& run, const Link& link) {
                          .a = from,
                          .b = link.place,
                          .T_a_b = types::compose(way, types::inverse(*measured))};
-    const Eigen::Isometry3d now =
-        run.map.place(from).T_map_place.inverse() * run.map.place(link.place).T_map_place;
-    const types::Vector6d gap = types::logSe3(edge.T_a_b.T_a_b.inverse() * now);
-    const bool agrees = gap.head<3>().norm() < kHoldGap && gap.tail<3>().norm() < kHoldTurn;
-    const auto around = run.map.neighbours(from);
-    const auto held = std::count_if(around.begin(), around.end(), [](const map::Neighbour& n) {
-      return n.type == map::EdgeType::kDeadReckoning;
-    });
-    if (agrees && held < kMostHolds) run.map.addEdge(edge);
+    if (fitsMap(run, edge) && holdsAt(run, from) < kMostHolds) run.map.addEdge(edge);
   }
   run.robot.mark(link.place, *measured);
 }
