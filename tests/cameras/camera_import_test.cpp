@@ -216,6 +216,18 @@ TEST_F(CameraImport, MistakesAreNamed) {
   EXPECT_THAT(errorOf(good + "," + write("k.yaml", euroc(0, "radial-tangential", "[400, 401]"))),
               HasSubstr("k.yaml: intrinsics: expected 4 numbers, found 2"));
   EXPECT_THAT(errorOf(good + ",gone.yaml"), HasSubstr("gone.yaml: cannot be opened"));
+  for (const char* text :
+       {"- 1\n- 2\n", "7\n", "a word\n", "[camera]\nmo - 960rmo = 960re\nwd", "%YAML:1.0\n---\n- [1, 2]\n"})
+    EXPECT_THAT([&] { importCamera(write("list.yaml", text)); }, ::testing::Throws<base::ConfigError>())
+        << text;
+  for (const char* width : {"1e300", "-4", "0", ".Nan", ".Inf"})
+    EXPECT_THAT(
+        [&] {
+          importCamera(write("w.yaml", "image_width: " + std::string(width) +
+                                           "\nimage_height: 480\nK: [400, 0, 9, 0, 400, 9, 0, 0, 1]\n"));
+        },
+        ::testing::Throws<base::ConfigError>())
+        << width;
   const std::string one = write("one.txt", "P0: 700 0 600 0 0 700 180 0 0 0 1 0\n");
   EXPECT_THAT([&] { loadStereoRig(good); },
               ThrowsMessage<base::ConfigError>(HasSubstr("describes one camera")));

@@ -12,13 +12,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <initializer_list>
 #include <set>
+#include <sstream>
 #include <vector>
 
 namespace engram::cameras {
 namespace {
+
+constexpr double kLongestSide = 1e5;  // [px]
 
 /// The values of such a file by name; every miss is an error that names file and key.
 class YamlFile {
@@ -27,11 +31,14 @@ class YamlFile {
     std::string text = readCalibrationFile(path);
     const bool isXml = text.starts_with("<?xml");
     if (!isXml && !text.starts_with("%YAML")) text = "%YAML:1.0\n---\n" + withoutDocumentMarks(text);
+    // OpenCV reads for ever what does not begin with a key and goes on after that.
+    if (!isXml && !beginsWithKey(text)) fail("is no calibration: it does not begin with a key");
     try {
       if (!file_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY)) fail("cannot be read as YAML");
     } catch (const cv::Exception& e) {
       fail("is not YAML that can be read (" + e.err + ")");
     }
+    if (!file_.root().isMap()) fail("holds no keys with values");
   }
 
   [[noreturn]] void fail(const std::string& what) const { throw base::ConfigError(path_ + ": " + what); }
@@ -74,6 +81,21 @@ class YamlFile {
  private:
   static bool isNumber(const cv::FileNode& node) { return node.isInt() || node.isReal(); }
 
+  /// Whether the first line that is no comment, directive or mark is `key: …`.
+  static bool beginsWithKey(const std::string& text) {
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find_first_not_of(" \t\r") == std::string::npos || line.starts_with('#') ||
+          line.starts_with('%') || line.starts_with("---"))
+        continue;
+      const auto end = std::find_if_not(line.begin(), line.end(), [](unsigned char c) {
+        return c < 128 && (std::isalnum(c) != 0 || c == '_' || c == '-');
+      });
+      return end != line.begin() && end != line.end() && *end == ':';
+    }
+    return false;
+  }
+
   /// What is echoed of ROS ends in `---`, and OpenCV reads one document.
   static std::string withoutDocumentMarks(const std::string& text) {
     const std::size_t from = text.starts_with("---\n") ? 4 : 0;
@@ -85,14 +107,21 @@ class YamlFile {
   cv::FileStorage file_;
 };
 
+cv::Size toSize(const YamlFile& file, double width, double height) {
+  for (const double side : {width, height})
+    if (!(side >= 1 && side <= kLongestSide))
+      file.fail("the images it is for have no size that a camera has");
+  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
 cv::Size readSize(const YamlFile& file) {
   if (!file.find({"resolution"}).empty()) {
     const auto size = file.list({"resolution"}, 2);
-    return {static_cast<int>(size[0]), static_cast<int>(size[1])};
+    return toSize(file, size[0], size[1]);
   }
   const auto width = file.number({"image_width", "width"}), height = file.number({"image_height", "height"});
   if (!width || !height) file.fail("image_width and image_height are missing: for which size is it?");
-  return {static_cast<int>(*width), static_cast<int>(*height)};
+  return toSize(file, *width, *height);
 }
 
 void readDistortion(const YamlFile& file, ImagePlaneParams& plane) {
