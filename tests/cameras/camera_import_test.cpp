@@ -216,8 +216,8 @@ TEST_F(CameraImport, MistakesAreNamed) {
   EXPECT_THAT(errorOf(good + "," + write("k.yaml", euroc(0, "radial-tangential", "[400, 401]"))),
               HasSubstr("k.yaml: intrinsics: expected 4 numbers, found 2"));
   EXPECT_THAT(errorOf(good + ",gone.yaml"), HasSubstr("gone.yaml: cannot be opened"));
-  for (const char* text :
-       {"- 1\n- 2\n", "7\n", "a word\n", "[camera]\nmo - 960rmo = 960re\nwd", "%YAML:1.0\n---\n- [1, 2]\n"})
+  for (const char* text : {"- 1\n- 2\n", "7\n", "a word\n", "[camera]\nmo - 960rmo = 960re\nwd",
+                           "a: 1\nb:\n  : 2\n  c: 5\n", "%YAML:1.0\n---\n- [1, 2]\n"})
     EXPECT_THAT([&] { importCamera(write("list.yaml", text)); }, ::testing::Throws<base::ConfigError>())
         << text;
   for (const char* width : {"1e300", "-4", "0", ".Nan", ".Inf"})

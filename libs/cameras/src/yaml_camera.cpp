@@ -37,6 +37,8 @@ class YamlFile {
       if (!file_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY)) fail("cannot be read as YAML");
     } catch (const cv::Exception& e) {
       fail("is not YAML that can be read (" + e.err + ")");
+    } catch (const std::exception&) {  // of a key without a name
+      fail("is not YAML that can be read");
     }
     if (!file_.root().isMap()) fail("holds no keys with values");
   }
