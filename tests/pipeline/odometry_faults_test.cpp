@@ -160,5 +160,16 @@ TEST(OdometryFaults, EachDriveIsAVoteOnTheMetre) {
   EXPECT_NEAR(lengthOf(drive(first, 0.98)) / sound, 1, 0.006);
 }
 
+/// A second drive whose odometry no wheel radius explains does not stretch the map. With a vote: by 13 %.
+TEST(OdometryFaults, AnotherUnitHasNoVoteOnTheMetre) {
+  Pipeline first(tinyParams());
+  for (const types::Frame& frame : firstDrive().frames) first.process(frame);
+  first.finish();
+  Pipeline second(tinyParams(), first.map());
+  for (const types::Frame& frame : withWheels(1.3)) second.process(frame);
+  second.finish();
+  EXPECT_NEAR(lengthOf(second.map()) / lengthOf(first.map()), 1, 0.01);
+}
+
 }  // namespace
 }  // namespace engram::pipeline

@@ -79,6 +79,13 @@ TEST(Stretch, IsTheMeanOfTheVotes) {
   EXPECT_NEAR(std::log(fifth.own) - std::log(fifth.earlier), 0.02, 1e-12);
 }
 
+TEST(Stretch, AnotherUnitHasNoVote) {
+  for (const double log : {std::log(1000.0), std::log(0.3048), 0.1}) {
+    EXPECT_EQ(stretchFor({log, 0.002}, 1, 0.01).earlier, 1);
+    EXPECT_EQ(stretchFor({log, 0.002}, 1, 0.01).own, 1);
+  }
+}
+
 TEST(Stretch, AVagueVoteCountsLittle) {
   EXPECT_NEAR(std::log(stretchFor({0.02, 0.1}, 1, 0.01).earlier), 0, 0.0002);
 }

@@ -13,6 +13,7 @@ namespace {
 constexpr double kLeastChord = 5, kMostChord = 20;  // [m]
 constexpr int kLeastChords = 20;
 constexpr double kFixesAtAPlace = 2;
+constexpr double kMostSigmas = 5;  // by which wheels differ from a map; more is another unit
 
 }  // namespace
 
@@ -44,7 +45,9 @@ std::optional<WayScale::Ratio> WayScale::ratio() const {
 
 Stretch stretchFor(const WayScale::Ratio& ratio, int drives, double sigma) {
   const double map = sigma * sigma / drives, own = sigma * sigma;
-  const double gain = ratio.log / (map + own + ratio.sigma * ratio.sigma);
+  const double variance = map + own + ratio.sigma * ratio.sigma;
+  if (std::abs(ratio.log) > kMostSigmas * std::sqrt(variance)) return {};
+  const double gain = ratio.log / variance;
   return {std::exp(-gain * map), std::exp(gain * own)};
 }
 

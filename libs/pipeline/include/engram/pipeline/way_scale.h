@@ -40,7 +40,8 @@ class WayScale {
 };
 
 /// Factors that bring the ways of earlier drives and those of this one to one metre: the least squares of a
-/// map that rests on so many drives, and this one, each with a wheel radius of its own.
+/// map that rests on so many drives, and this one, each with a wheel radius of its own. Wheels that no radius
+/// explains have no vote: what they count are no metres.
 struct Stretch {
   double earlier = 1, own = 1;
 };
