@@ -27,8 +27,8 @@ Json figures(const MapFile& file, const map::TopologicalMap& map) {
   std::size_t longTerm = 0, features = 0;
   std::map<std::string, int> edges;
   for (const auto& [id, place] : map.places()) {
-    longTerm += place.memory.longTerm().size();
-    features += place.memory.states.size();
+    longTerm += place.memory->longTerm().size();
+    features += place.memory->states.size();
   }
   for (const auto& [id, edge] : map.edges()) ++edges[map::toString(edge.type)];
   double length = 0;

@@ -37,7 +37,7 @@ std::uint64_t residentBytes() {
 }
 
 map::TopologicalMap load(const std::string& file) {
-  return store::MapFile::open(file, store::Access::kReadOnly).load();
+  return store::MapFile::open(file, store::Access::kReadOnly).loadOnDemand();
 }
 
 class MapBench {

@@ -87,6 +87,8 @@ class BlobReader {
   /// Throws unless so many bytes are left: call it before an allocation.
   void require(std::size_t size) const;
   void requireEnd() const;
+  /// What is left; to be copied before the row goes.
+  std::span<const std::uint8_t> rest() const { return rest_; }
 
   /// Undoes BlobWriter::compress(); call it first.
   void decompress();

@@ -18,7 +18,7 @@
 namespace engram::store {
 
 /// Version of the file format that this program writes, and the newest that it reads.
-inline constexpr int kFormatVersion = 2;
+inline constexpr int kFormatVersion = 3;
 
 enum class Access { kReadOnly, kReadWrite };
 
@@ -46,6 +46,12 @@ class MapFile {
 
   /// Reads and checks everything.
   map::TopologicalMap load() const;
+  /// The same, but what places remember stays in the file until it is asked for, and is checked then; and
+  /// MapContent::derived reads what is kept beside the map. The map may outlive this object.
+  map::TopologicalMap loadOnDemand();
+  /// A reader whose map is in the file still keeps others from writing it. To be called now and then: when a
+  /// program wants to write the map, this takes along what was not read yet, and lets go of the file.
+  void yieldToWriter();
 
   /// Writes what changed and the record of the image, or nothing at all if it throws.
   void commit(const map::TopologicalMap& map, const map::MapChanges& changes,
@@ -53,6 +59,9 @@ class MapFile {
   /// The same with the records of several images.
   void commit(const map::TopologicalMap& map, const map::MapChanges& changes,
               std::span<const types::FrameReport> reports);
+
+  /// Keeps rows beside the map. They are no part of it: dump() does not show them.
+  void keep(std::span<const map::DerivedRow> rows);
 
   /// All runs that wrote into the map; none of a map of format 1 that was not written since.
   std::vector<Drive> drives() const;
