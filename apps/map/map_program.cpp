@@ -24,12 +24,8 @@ using store::Access;
 using store::MapFile;
 
 Json figures(const MapFile& file, const map::TopologicalMap& map) {
-  std::size_t longTerm = 0, features = 0;
+  const store::FeatureCounts features = file.featureCounts();
   std::map<std::string, int> edges;
-  for (const auto& [id, place] : map.places()) {
-    longTerm += place.memory->longTerm().size();
-    features += place.memory->states.size();
-  }
   for (const auto& [id, edge] : map.edges()) ++edges[map::toString(edge.type)];
   double length = 0;
   for (std::size_t i = 1; i < map.path().size(); ++i)
@@ -54,9 +50,9 @@ Json figures(const MapFile& file, const map::TopologicalMap& map) {
             {"components", map.components().size()},
             {"path_points", map.path().size()},
             {"path_length_m", length},
-            {"long_term_features", longTerm},
-            {"short_term_features", features - longTerm},
-            {"records", file.records().size()},
+            {"long_term_features", features.longTerm},
+            {"short_term_features", features.shortTerm},
+            {"records", file.recordCount()},
             {"map_bytes", file.bytes()}};
   j["bytes_per_place"] =
       map.empty() ? 0.0 : static_cast<double>(file.bytes()) / static_cast<double>(map.places().size());
@@ -166,9 +162,9 @@ int MapProgram::run(std::ostream& out, std::ostream& err) {
 
 int MapProgram::info(std::ostream& out, std::ostream& err) const {
   printMissingLog(map_, err);
-  const MapFile file = MapFile::open(map_, Access::kReadOnly);
+  MapFile file = MapFile::open(map_, Access::kReadOnly);
   base::requireWritable(json_);
-  const Json j = figures(file, file.load());
+  const Json j = figures(file, file.loadOnDemand());
   if (!quiet_) print(out, j, file.header());
   writeJson(json_, nlohmann::json(j));
   return kOk;

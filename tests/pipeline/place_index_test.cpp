@@ -290,7 +290,7 @@ TEST(PlaceIndex, IsMadeAtOnceForAWholeMap) {
 /// What was laid beside a map, in memory.
 class Beside : public map::Derived {
  public:
-  explicit Beside(std::vector<map::DerivedRow> rows) : rows(std::move(rows)) {}
+  explicit Beside(std::vector<map::DerivedRow> given) : rows(std::move(given)) {}
   void read(map::DerivedKind kind, const Take& take) const override {
     for (const map::DerivedRow& row : rows)
       if (row.kind == kind) take(row.id, row.data);

@@ -28,7 +28,8 @@ enum class RowKind : std::uint8_t {
   kEdge = 'E',
   kPath = 'T',
   kFeatures = 'F',
-  kDrive = 'D'
+  kDrive = 'D',
+  kCounts = 'N'
 };
 
 /// CRC-32 of zlib.

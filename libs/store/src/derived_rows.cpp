@@ -73,7 +73,7 @@ Checksums basesOf(Database& database, map::DerivedKind kind) {
 }
 
 void readDerived(Database& database, map::DerivedKind kind, const Checksums& bases,
-                 const map::Derived::Take& take, std::vector<std::string>* problems) {
+                 const map::Derived::Take& take) {
   Statement rows(database, "SELECT id, data FROM derived WHERE kind = $1 ORDER BY id");
   rows.bind(1, static_cast<std::uint64_t>(kind));
   while (rows.step()) {
@@ -83,10 +83,22 @@ void readDerived(Database& database, map::DerivedKind kind, const Checksums& bas
       const auto basis = in.get<std::uint32_t>();
       const auto now = bases.find(id);
       if (basisTable(kind) == nullptr || (now != bases.end() && now->second == basis)) take(id, in.rest());
+    } catch (const base::Error&) {
+      // As good as missing.
+    }
+  }
+}
+
+void checkDerived(Database& database, std::vector<std::string>& problems) {
+  Statement rows(database, "SELECT kind, id, data FROM derived");
+  while (rows.step()) {
+    const std::int64_t kind = rows.integer(0), id = rows.integer(1);
+    try {
+      if (kind < 0 || kind > 0xff || std::string("WIAN").find(static_cast<char>(kind)) == std::string::npos)
+        throw base::Error("it is of an unknown kind");
+      BlobReader(rows.blob(2), static_cast<RowKind>(kind), kDerivedVersion, static_cast<std::uint64_t>(id));
     } catch (const base::Error& e) {
-      if (problems != nullptr)
-        problems->push_back("derived row " + std::string(1, static_cast<char>(kind)) + " " +
-                            std::to_string(id) + ": " + e.what());
+      problems.push_back("derived row " + std::to_string(kind) + " " + std::to_string(id) + ": " + e.what());
     }
   }
 }
@@ -102,14 +114,12 @@ void writeDerived(Database& database, std::span<const map::DerivedRow> rows) {
     const Blob data = sealed(row, *basis);
     put.bind(1, static_cast<std::uint64_t>(row.kind)).bind(2, std::uint64_t{row.id}).bind(3, data).run();
   }
-  for (const map::DerivedKind kind : kDerivedKinds) {
-    if (basisTable(kind) == nullptr) continue;
+  for (const map::DerivedKind kind : {map::DerivedKind::kPlaceWords, map::DerivedKind::kSignature})
     Statement(database, ("DELETE FROM derived WHERE kind = $1 AND id NOT IN (SELECT id FROM " +
                          std::string(basisTable(kind)) + ")")
                             .c_str())
         .bind(1, static_cast<std::uint64_t>(kind))
         .run();
-  }
 }
 
 }  // namespace engram::store

@@ -17,9 +17,6 @@ namespace engram::store {
 // Rows of the table `derived`. Each holds the checksum of the row that it was made of, its basis: what has
 // changed without it is found by that, whoever changed it.
 
-inline constexpr map::DerivedKind kDerivedKinds[] = {map::DerivedKind::kWords, map::DerivedKind::kPlaceWords,
-                                                     map::DerivedKind::kSignature};
-
 /// The checksums of the rows of a table, by number; read without the rows themselves.
 using Checksums = std::map<std::uint32_t, std::uint32_t>;
 
@@ -27,9 +24,11 @@ using Checksums = std::map<std::uint32_t, std::uint32_t>;
 Checksums basesOf(Database& database, map::DerivedKind kind);
 
 /// Hands over the rows of a kind that hold good.
-/// @param problems what is wrong with the others, one sentence each; null: nobody wants to know
 void readDerived(Database& database, map::DerivedKind kind, const Checksums& bases,
-                 const map::Derived::Take& take, std::vector<std::string>* problems = nullptr);
+                 const map::Derived::Take& take);
+
+/// Everything that is wrong with the table, one sentence each. What is outdated is not wrong.
+void checkDerived(Database& database, std::vector<std::string>& problems);
 
 /// Writes rows, and drops those whose basis is gone. To be called within a transaction.
 void writeDerived(Database& database, std::span<const map::DerivedRow> rows);

@@ -7,6 +7,7 @@
 #include "diagnosis.h"
 #include "engram/base/error.h"
 #include "engram/store/report_json.h"
+#include "feature_counts.h"
 #include "map_reader.h"
 #include "rows.h"
 #include "rows_on_demand.h"
@@ -276,9 +277,11 @@ void MapFile::yieldToWriter() {
 }
 
 void MapFile::keep(std::span<const map::DerivedRow> rows) {
-  if (rows.empty()) return;
+  const CountsByPlace counts = countFeatures(impl_->open(), impl_->version);
+  if (rows.empty() && impl_->version >= 3 && counts == keptCounts(impl_->open())) return;
   Edit edit(*impl_);
   writeDerived(edit.database(), rows);
+  writeCounts(edit.database(), counts);
   edit.commit();
 }
 
@@ -361,6 +364,10 @@ void MapFile::forgetRecords(int firstKeptSession) {
   edit.commit();
 }
 
+FeatureCounts MapFile::featureCounts() const { return sumOf(countFeatures(impl_->open(), impl_->version)); }
+
+std::uint64_t MapFile::recordCount() const { return impl_->state.records; }
+
 std::vector<types::FrameReport> MapFile::records() const { return MapReader(impl_->open()).records(); }
 
 std::vector<std::string> MapFile::check() const {
@@ -373,10 +380,7 @@ std::vector<std::string> MapFile::check() const {
     reader.content();
     reader.records();
     if (impl_->version >= 2) reader.drives();
-    if (impl_->version >= 3)
-      for (const map::DerivedKind kind : kDerivedKinds)
-        readDerived(
-            impl_->open(), kind, basesOf(impl_->open(), kind), [](auto, auto) {}, &problems);
+    if (impl_->version >= 3) checkDerived(impl_->open(), problems);
   } catch (const base::Error& e) {
     problems.emplace_back(e.what());
   }

@@ -5,6 +5,7 @@
 #include "engram/map/map_content.h"
 #include "engram/map/topological_map.h"
 #include "engram/store/drive.h"
+#include "engram/store/feature_counts.h"
 #include "engram/store/writer_lock.h"
 #include "engram/types/frame_report.h"
 
@@ -60,7 +61,7 @@ class MapFile {
   void commit(const map::TopologicalMap& map, const map::MapChanges& changes,
               std::span<const types::FrameReport> reports);
 
-  /// Keeps rows beside the map. They are no part of it: dump() does not show them.
+  /// Keeps rows beside the map, and with them how much its places remember. They are no part of it: dump() does not show them.
   void keep(std::span<const map::DerivedRow> rows);
 
   /// All runs that wrote into the map; none of a map of format 1 that was not written since.
@@ -78,6 +79,9 @@ class MapFile {
   /// Drops the records of all drives before the one that made this session's path.
   void forgetRecords(int firstKeptSession);
 
+  /// Read without the memories, but for those of which it is not kept beside the map.
+  FeatureCounts featureCounts() const;
+  std::uint64_t recordCount() const;
   /// The records of all images, in the order of the commits.
   std::vector<types::FrameReport> records() const;
 
