@@ -85,11 +85,13 @@ TEST_F(OnDemandTest, GivesTheSameMap) {
 
 TEST_F(OnDemandTest, ChecksAMemoryWhenItIsRead) {
   sql("UPDATE memories SET data = zeroblob(100) WHERE id = 2");
-  const map::TopologicalMap read = MapFile::open(name_, Access::kReadOnly).loadOnDemand();
-  EXPECT_GT(read.place(map::PlaceId(1)).memory->states.size(), 0u);
-  for (int again = 0; again < 2; ++again)
-    EXPECT_THAT(messageOf([&] { *read.place(map::PlaceId(2)).memory; }),
-                HasSubstr("is damaged: memory of place 2: its checksum is wrong"));
+  {
+    const map::TopologicalMap map = read().loadOnDemand();
+    EXPECT_GT(map.place(map::PlaceId(1)).memory->states.size(), 0u);
+    for (int again = 0; again < 2; ++again)
+      EXPECT_THAT(messageOf([&] { *map.place(map::PlaceId(2)).memory; }),
+                  HasSubstr("is damaged: memory of place 2: its checksum is wrong"));
+  }
   sql("DELETE FROM memories WHERE id = 2");
   EXPECT_THAT(messageOf([&] { MapFile::open(name_, Access::kReadOnly).loadOnDemand(); }),
               HasSubstr("4 rows of the kind 'memory of place' where 5 were written"));
