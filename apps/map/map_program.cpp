@@ -104,6 +104,7 @@ std::string MapProgram::examples() const {
          "  engram-map check office.engram                                 is every byte sound?\n"
          "  engram-map copy office.engram backup.engram                    also while it is being written\n"
          "  engram-map recover broken.engram rescued.engram                save what can be read of it\n"
+         "  engram-map index old.engram                                    opened fast from now on\n"
          "  engram-map dump office.engram > office.txt                     all content as text, for diff\n"
          "  engram-map config office.engram > office.ini                   the configuration that made it\n"
          "  engram-map export office.engram --format 3dscene --images --out office.3Dscene\n"
@@ -129,6 +130,9 @@ void MapProgram::declare(CLI::App& app) {
                          "Make a new map of what can be read of a damaged one; exit code 0: all of it, "
                          "3: some was lost, 1: nothing could be read");
   recover_.declare(*recoverTo_);
+  indexOf_ =
+      app.add_subcommand("index", "Keep in the map what opening it needs; the end of a drive does it too");
+  index_.declare(*indexOf_);
   train_ =
       app.add_subcommand("train-vocabulary", "Train a vocabulary tree on what the places of maps remember");
   trainVocabulary_.declare(*train_);
@@ -156,6 +160,7 @@ int MapProgram::run(std::ostream& out, std::ostream& err) {
   if (config_->parsed()) return config(out);
   if (copyTo_->parsed()) return copy_.run(out, err);
   if (recoverTo_->parsed()) return recover_.run(out, err);
+  if (indexOf_->parsed()) return index_.run(out);
   if (train_->parsed()) return trainVocabulary_.run(out, err);
   return exportMap(out);
 }
