@@ -43,7 +43,7 @@ Json figures(const MapFile& file, const map::TopologicalMap& map) {
             {"camera", h.camera},
             {"first_stamp", h.firstStamp},
             {"places", map.places().size()},
-            {"views", map.views().size()},
+            {"views", file.viewCount()},
             {"edges", map.edges().size()},
             {"edges_by_type", edges},
             {"sessions", map.nextSession()},
@@ -169,7 +169,7 @@ int MapProgram::info(std::ostream& out, std::ostream& err) const {
   printMissingLog(map_, err);
   MapFile file = MapFile::open(map_, Access::kReadOnly);
   base::requireWritable(json_);
-  const Json j = figures(file, file.loadOnDemand());
+  const Json j = figures(file, file.loadGraph());
   if (!quiet_) print(out, j, file.header());
   writeJson(json_, nlohmann::json(j));
   return kOk;

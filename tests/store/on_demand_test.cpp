@@ -83,6 +83,16 @@ TEST_F(OnDemandTest, GivesTheSameMap) {
   EXPECT_EQ(text({}, read.content()), text({}, map_.content()));
 }
 
+TEST_F(OnDemandTest, GivesTheGraphAlone) {
+  MapFile file = read();
+  const map::TopologicalMap graph = file.loadGraph();
+  EXPECT_EQ(graph.edges().size(), map_.edges().size());
+  EXPECT_EQ(graph.path().size(), map_.path().size());
+  EXPECT_TRUE(graph.views().empty());
+  EXPECT_EQ(file.viewCount(), map_.views().size());
+  EXPECT_FALSE(graph.place(map::PlaceId(0)).memory.isHere());
+}
+
 TEST_F(OnDemandTest, ChecksAMemoryWhenItIsRead) {
   sql("UPDATE memories SET data = zeroblob(100) WHERE id = 2");
   {

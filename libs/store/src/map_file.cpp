@@ -270,6 +270,11 @@ map::TopologicalMap MapFile::loadOnDemand() {
   return map::TopologicalMap(std::move(content));
 }
 
+map::TopologicalMap MapFile::loadGraph() {
+  impl_->rows = std::make_shared<RowsOnDemand>(impl_->database, impl_->header, impl_->version);
+  return map::TopologicalMap(MapReader(impl_->open()).content(impl_->rows, false));
+}
+
 void MapFile::yieldToWriter() {
   if (!impl_->database || impl_->writable || !impl_->rows || !WriterLock::isHeld(impl_->name)) return;
   impl_->rows->letGo();
@@ -367,6 +372,7 @@ void MapFile::forgetRecords(int firstKeptSession) {
 FeatureCounts MapFile::featureCounts() const { return sumOf(countFeatures(impl_->open(), impl_->version)); }
 
 std::uint64_t MapFile::recordCount() const { return impl_->state.records; }
+std::uint64_t MapFile::viewCount() const { return impl_->state.views; }
 
 std::vector<types::FrameReport> MapFile::records() const { return MapReader(impl_->open()).records(); }
 

@@ -124,8 +124,17 @@ void MapReader::readMemories(const MapState& s, map::MapContent& c) {
              });
 }
 
-map::MapContent MapReader::content(
-    std::shared_ptr<const map::OnDemand<memory::PlaceMemory>::Source> memories) {
+void MapReader::readViews(const MapState& s, map::MapContent& c) {
+  forEachRow("SELECT id, data FROM views ORDER BY id", "view", s.views,
+             [&](std::uint64_t id, Statement& row) {
+               map::View view = decodeView(row.blob(1), id);
+               if (problems_ != nullptr) checkPicture(view);
+               c.views.emplace(view.id, std::move(view));
+             });
+}
+
+map::MapContent MapReader::content(std::shared_ptr<const map::OnDemand<memory::PlaceMemory>::Source> memories,
+                                   bool withViews) {
   const MapState s = state();
   map::MapContent c;
   c.nextPlace = s.nextPlace;
@@ -146,12 +155,7 @@ map::MapContent MapReader::content(
                });
   else
     readMemories(s, c);
-  forEachRow("SELECT id, data FROM views ORDER BY id", "view", s.views,
-             [&](std::uint64_t id, Statement& row) {
-               map::View view = decodeView(row.blob(1), id);
-               if (problems_ != nullptr) checkPicture(view);
-               c.views.emplace(view.id, std::move(view));
-             });
+  if (withViews) readViews(s, c);
   forEachRow("SELECT id, data FROM edges ORDER BY id", "edge", s.edges,
              [&](std::uint64_t id, Statement& row) {
                map::Edge edge = decodeEdge(row.blob(1), id);

@@ -50,6 +50,8 @@ class MapFile {
   /// The same, but what places remember stays in the file until it is asked for, and is checked then; and
   /// MapContent::derived reads what is kept beside the map. The map may outlive this object.
   map::TopologicalMap loadOnDemand();
+  /// The same without the views.
+  map::TopologicalMap loadGraph();
   /// A reader whose map is in the file still keeps others from writing it. To be called now and then: when a
   /// program wants to write the map, this takes along what was not read yet, and lets go of the file.
   void yieldToWriter();
@@ -61,7 +63,8 @@ class MapFile {
   void commit(const map::TopologicalMap& map, const map::MapChanges& changes,
               std::span<const types::FrameReport> reports);
 
-  /// Keeps rows beside the map, and with them how much its places remember. They are no part of it: dump() does not show them.
+  /// Keeps rows beside the map, and with them how much its places remember. They are no part of it: dump()
+  /// does not show them.
   void keep(std::span<const map::DerivedRow> rows);
 
   /// All runs that wrote into the map; none of a map of format 1 that was not written since.
@@ -82,6 +85,7 @@ class MapFile {
   /// Read without the memories, but for those of which it is not kept beside the map.
   FeatureCounts featureCounts() const;
   std::uint64_t recordCount() const;
+  std::uint64_t viewCount() const;
   /// The records of all images, in the order of the commits.
   std::vector<types::FrameReport> records() const;
 
