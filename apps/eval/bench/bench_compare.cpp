@@ -18,7 +18,7 @@ constexpr double kLeastChange = 0.06;  // [log] what is less is laid to the layo
 constexpr double kLeastTime = 0.1;     // [ms] a clock tells nothing of steps that are shorter
 constexpr double kHalfOf99 = 2.576;    // standard deviations
 
-double medianOf(Times values) {
+double medianMs(Times values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -34,15 +34,15 @@ Times logRatios(const Times& before, const Times& after) {
 /// Standard error of the median, from the median of the deviations.
 double errorOf(Times ratios, double median) {
   for (double& r : ratios) r = std::abs(r - median);
-  return 1.2533 * 1.4826 * medianOf(ratios) / std::sqrt(static_cast<double>(ratios.size()));
+  return 1.2533 * 1.4826 * medianMs(ratios) / std::sqrt(static_cast<double>(ratios.size()));
 }
 
 SpeedChange changeOf(const Times& before, const Times& after, double drift) {
   const Times ratios = logRatios(before, after);
-  const double median = medianOf(ratios);
+  const double median = medianMs(ratios);
   SpeedChange change;
-  change.before = medianOf(before);
-  change.after = medianOf(after) / std::exp(drift);
+  change.before = medianMs(before);
+  change.after = medianMs(after) / std::exp(drift);
   change.ratio = std::exp(median - drift);
   change.noise = kHalfOf99 * errorOf(ratios, median);
   return change;
@@ -55,7 +55,7 @@ const nlohmann::json& eachOf(const nlohmann::json& run) {
   return *at;
 }
 
-Times timesOf(const nlohmann::json& group, const std::string& what, std::size_t images) {
+Times imageTimes(const nlohmann::json& group, const std::string& what, std::size_t images) {
   Times times = group.at(what).get<Times>();
   if (times.size() != images || images == 0)
     throw base::Error("the figures to compare with are of " + std::to_string(times.size()) + " images of '" +
@@ -63,7 +63,7 @@ Times timesOf(const nlohmann::json& group, const std::string& what, std::size_t 
   return times;
 }
 
-std::string percent(double ratio) {
+std::string percentOf(double ratio) {
   std::ostringstream text;
   text << std::showpos << std::fixed << std::setprecision(1) << 100 * (ratio - 1) << " %";
   return text.str();
@@ -85,11 +85,11 @@ std::vector<SpeedChange> compareSpeed(const nlohmann::json& before, const nlohma
     const auto then = eachOf(before).find(places);
     if (then == eachOf(before).end()) continue;
     const Times reference = now.at("reference").get<Times>();
-    const double drift = medianOf(logRatios(timesOf(*then, "reference", reference.size()), reference));
+    const double drift = medianMs(logRatios(imageTimes(*then, "reference", reference.size()), reference));
     for (const auto& [what, times] : now.items()) {
       if (what == "reference" || !then->contains(what)) continue;
       const Times mine = times.get<Times>();
-      SpeedChange& change = changes.emplace_back(changeOf(timesOf(*then, what, mine.size()), mine, drift));
+      SpeedChange& change = changes.emplace_back(changeOf(imageTimes(*then, what, mine.size()), mine, drift));
       change.places = places;
       change.what = what;
     }
@@ -103,7 +103,7 @@ std::string describe(const std::vector<SpeedChange>& changes) {
   for (const SpeedChange& c : changes) {
     if (!c.slower() && !c.faster()) continue;
     out << (c.slower() ? "slower: " : "faster: ") << c.what << " at " << c.places << " places, " << std::fixed
-        << std::setprecision(2) << c.before << " to " << c.after << " ms (" << percent(c.ratio) << ", noise "
+        << std::setprecision(2) << c.before << " to " << c.after << " ms (" << percentOf(c.ratio) << ", noise "
         << std::setprecision(1) << 100 * c.noise << " %)\n";
   }
   const std::string text = out.str();
