@@ -103,8 +103,8 @@ std::string describe(const std::vector<SpeedChange>& changes) {
   for (const SpeedChange& c : changes) {
     if (!c.slower() && !c.faster()) continue;
     out << (c.slower() ? "slower: " : "faster: ") << c.what << " at " << c.places << " places, " << std::fixed
-        << std::setprecision(2) << c.before << " to " << c.after << " ms (" << percentOf(c.ratio) << ", noise "
-        << std::setprecision(1) << 100 * c.noise << " %)\n";
+        << std::setprecision(2) << c.before << " to " << c.after << " ms (" << percentOf(c.ratio)
+        << ", noise " << std::setprecision(1) << 100 * c.noise << " %)\n";
   }
   const std::string text = out.str();
   return text.empty() ? "nothing is slower or faster beyond noise\n" : text;
