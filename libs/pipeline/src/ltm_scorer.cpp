@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <numeric>
 #include <optional>
-#include <utility>
 
 namespace engram::pipeline {
 namespace {
@@ -62,10 +61,12 @@ void LtmMatcher::fetch(std::span<const std::size_t> places) const {
   for (const std::size_t place : places) {
     const auto at = deferred_.find(place);
     if (at == deferred_.end()) continue;
-    if (std::exchange(at->second.asked, questions_) > 0) continue;
-    ++fetched_;
-    const memory::PlaceMemory memory = at->second.memory.read();
-    matcher_.set(place, memory.features.subset(memory.longTerm()));
+    if (at->second.asked == 0) {
+      const memory::PlaceMemory memory = at->second.memory.read();
+      matcher_.set(place, memory.features.subset(memory.longTerm()));
+      ++fetched_;
+    }
+    at->second.asked = questions_;
   }
   if (fetched_ > kMostFetched) dropOldest();
 }
