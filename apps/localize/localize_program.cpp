@@ -111,6 +111,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     figures.add(report);
     if (truth) truth->note(report);
     window_.after(*frame, report, localizer.map());
+    if (frozen_) frozen_->yieldToWriter();
     if (records.wanted()) records.add(store::toJson(report));
     progress.update(input_.progress(), static_cast<std::size_t>(figures.images()));
   }
@@ -120,6 +121,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
   if (drive && figures.images() > 0) {
     figures.addLearnt(localizer.finish().size());
     drive->end(localizer.map(), input_.exitCode() == kOk);
+    drive->keep(localizer.derived());
     drive->file().close();
   }
   if (truth && !base::interrupted()) truth->requireMatch(localizer.map(), err);
@@ -138,13 +140,12 @@ std::optional<store::DriveWriter> LocalizeProgram::openToAdapt(std::ostream& err
   return store::DriveWriter(map_, options, input_.source(config_), input_.peek());
 }
 
-/// A frozen map is read once and let go: others may write it meanwhile.
-pipeline::Pipeline LocalizeProgram::open(store::DriveWriter* drive) const {
-  std::optional<store::MapFile> frozen;
-  if (drive == nullptr) frozen = store::MapFile::open(map_, store::Access::kReadOnly);
-  pipeline::Pipeline localizer(config_.pipeline, frozen ? frozen->load() : drive->load(),
+/// A frozen map is read as far as it is needed, and let go when others want to write it.
+pipeline::Pipeline LocalizeProgram::open(store::DriveWriter* drive) {
+  if (drive == nullptr) frozen_ = store::MapFile::open(map_, store::Access::kReadOnly);
+  pipeline::Pipeline localizer(config_.pipeline, frozen_ ? frozen_->loadOnDemand() : drive->load(),
                                adapt_ ? pipeline::Use::kAdapting : pipeline::Use::kFrozen);
-  store::requireCompatible(frozen ? frozen->header() : *drive->header(), localizer.header(), map_);
+  store::requireCompatible(frozen_ ? frozen_->header() : *drive->header(), localizer.header(), map_);
   return localizer;
 }
 

@@ -27,7 +27,7 @@ class LocalizeProgram : public Program {
 
  private:
   std::optional<store::DriveWriter> openToAdapt(std::ostream& err);
-  pipeline::Pipeline open(store::DriveWriter* drive) const;
+  pipeline::Pipeline open(store::DriveWriter* drive);
   int conclude(const pipeline::Pipeline& localizer, const LocalizeFigures& figures, std::ostream& out,
                std::ostream& err);
 
@@ -36,6 +36,7 @@ class LocalizeProgram : public Program {
   RunStream stream_;
   RunWindow window_;
   EyeWatch eyes_;
+  std::optional<store::MapFile> frozen_;  // the map of a run that does not change it
   std::string map_, truth_, csv_, report_, json_;
   double truthRadius_ = 1.0;
   int truthMargin_ = 0;

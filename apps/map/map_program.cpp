@@ -24,12 +24,8 @@ using store::Access;
 using store::MapFile;
 
 Json figures(const MapFile& file, const map::TopologicalMap& map) {
-  std::size_t longTerm = 0, features = 0;
+  const store::FeatureCounts features = file.featureCounts();
   std::map<std::string, int> edges;
-  for (const auto& [id, place] : map.places()) {
-    longTerm += place.memory.longTerm().size();
-    features += place.memory.states.size();
-  }
   for (const auto& [id, edge] : map.edges()) ++edges[map::toString(edge.type)];
   double length = 0;
   for (std::size_t i = 1; i < map.path().size(); ++i)
@@ -47,16 +43,16 @@ Json figures(const MapFile& file, const map::TopologicalMap& map) {
             {"camera", h.camera},
             {"first_stamp", h.firstStamp},
             {"places", map.places().size()},
-            {"views", map.views().size()},
+            {"views", file.viewCount()},
             {"edges", map.edges().size()},
             {"edges_by_type", edges},
             {"sessions", map.nextSession()},
             {"components", map.components().size()},
             {"path_points", map.path().size()},
             {"path_length_m", length},
-            {"long_term_features", longTerm},
-            {"short_term_features", features - longTerm},
-            {"records", file.records().size()},
+            {"long_term_features", features.longTerm},
+            {"short_term_features", features.shortTerm},
+            {"records", file.recordCount()},
             {"map_bytes", file.bytes()}};
   j["bytes_per_place"] =
       map.empty() ? 0.0 : static_cast<double>(file.bytes()) / static_cast<double>(map.places().size());
@@ -108,6 +104,7 @@ std::string MapProgram::examples() const {
          "  engram-map check office.engram                                 is every byte sound?\n"
          "  engram-map copy office.engram backup.engram                    also while it is being written\n"
          "  engram-map recover broken.engram rescued.engram                save what can be read of it\n"
+         "  engram-map index old.engram                                    opened fast from now on\n"
          "  engram-map dump office.engram > office.txt                     all content as text, for diff\n"
          "  engram-map config office.engram > office.ini                   the configuration that made it\n"
          "  engram-map export office.engram --format 3dscene --images --out office.3Dscene\n"
@@ -133,6 +130,9 @@ void MapProgram::declare(CLI::App& app) {
                          "Make a new map of what can be read of a damaged one; exit code 0: all of it, "
                          "3: some was lost, 1: nothing could be read");
   recover_.declare(*recoverTo_);
+  indexOf_ =
+      app.add_subcommand("index", "Keep in the map what opening it needs; the end of a drive does it too");
+  index_.declare(*indexOf_);
   train_ =
       app.add_subcommand("train-vocabulary", "Train a vocabulary tree on what the places of maps remember");
   trainVocabulary_.declare(*train_);
@@ -160,15 +160,16 @@ int MapProgram::run(std::ostream& out, std::ostream& err) {
   if (config_->parsed()) return config(out);
   if (copyTo_->parsed()) return copy_.run(out, err);
   if (recoverTo_->parsed()) return recover_.run(out, err);
+  if (indexOf_->parsed()) return index_.run(out);
   if (train_->parsed()) return trainVocabulary_.run(out, err);
   return exportMap(out);
 }
 
 int MapProgram::info(std::ostream& out, std::ostream& err) const {
   printMissingLog(map_, err);
-  const MapFile file = MapFile::open(map_, Access::kReadOnly);
+  MapFile file = MapFile::open(map_, Access::kReadOnly);
   base::requireWritable(json_);
-  const Json j = figures(file, file.load());
+  const Json j = figures(file, file.loadGraph());
   if (!quiet_) print(out, j, file.header());
   writeJson(json_, nlohmann::json(j));
   return kOk;

@@ -4,6 +4,7 @@
 
 #include "copy_command.h"
 #include "engram/apps/program.h"
+#include "index_command.h"
 #include "train_vocabulary_command.h"
 
 namespace engram::apps {
@@ -28,9 +29,10 @@ class MapProgram : public Program {
   int exportMap(std::ostream& out) const;
 
   CLI::App *info_ = nullptr, *check_ = nullptr, *dump_ = nullptr, *export_ = nullptr, *train_ = nullptr,
-           *copyTo_ = nullptr, *recoverTo_ = nullptr, *config_ = nullptr;
+           *indexOf_ = nullptr, *copyTo_ = nullptr, *recoverTo_ = nullptr, *config_ = nullptr;
   std::string map_, json_, format_, output_;
   TrainVocabularyCommand trainVocabulary_;
+  IndexCommand index_;
   CopyCommand copy_{CopyCommand::Kind::kCopy}, recover_{CopyCommand::Kind::kRecover};
   bool images_ = false, camera_ = false, overwrite_ = false, quiet_ = false;
 };

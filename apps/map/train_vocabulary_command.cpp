@@ -47,7 +47,7 @@ std::vector<types::Descriptors> TrainVocabularyCommand::readMaps() const {
                         "' with " + extractor + ": a vocabulary needs maps of one extractor");
     extractor = own;
     const auto map = file.load();
-    for (const auto& [id, place] : map.places()) images.push_back(place.memory.features.descriptors);
+    for (const auto& [id, place] : map.places()) images.push_back(place.memory->features.descriptors);
   }
   return images;
 }

@@ -126,6 +126,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   figures.use().requireSome();
   mapper.finish();
   drive.end(mapper.map(), input_.exitCode() == kOk);
+  drive.keep(mapper.derived());
   return conclude(drive.file(), mapper, figures, truth ? &*truth : nullptr, out, err);
 }
 

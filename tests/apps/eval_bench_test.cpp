@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "bench/bench_compare.h"
 #include "bench/bench_images.h"
+#include "engram/base/error.h"
 #include "engram/base/rng.h"
 #include "engram/store/map_file.h"
 #include "eval_program.h"
@@ -10,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <unistd.h>
@@ -40,6 +43,50 @@ TEST(BenchImages, PlacesDifferAndComeAgain) {
     for (std::size_t j = 0; j < i; ++j) EXPECT_GT(difference(images.place(i), images.place(j)), 10) << i;
   }
   for (std::size_t k = 0; k < 2; ++k) EXPECT_EQ(difference(sources[k], twoImages()[k]), 0);
+}
+
+/// Figures of 40 images whose times vary by a tenth from image to image, and by a little from run to run.
+nlohmann::json figuresWith(double machine, double kernel, std::uint64_t seed) {
+  base::Rng images(1), run(seed);
+  nlohmann::json json;
+  auto& each = json["each_ms"]["1000"];
+  for (int i = 0; i < 40; ++i) {
+    const double size = images.uniform(0.9, 1.1);
+    const auto ms = [&](double cost) { return machine * cost * std::exp(0.03 * run.normal()); };
+    each["reference"].push_back(ms(1.0));
+    each["step perceive"].push_back(ms(5.0 * size));
+    each["step recognise"].push_back(ms(kernel * 8.0 * size));
+    each["step decide"].push_back(ms(0.001));
+  }
+  return json;
+}
+
+TEST(BenchCompare, FindsASlowKernelAndNothingElse) {
+  const nlohmann::json before = figuresWith(1, 1, 1);
+  for (std::uint64_t seed = 2; seed < 102; ++seed) {
+    const double machine = 0.7 + 0.006 * static_cast<double>(seed);
+    for (const auto& change : compareSpeed(before, figuresWith(machine, 1, seed)))
+      EXPECT_FALSE(change.slower() || change.faster()) << change.what << " by " << change.ratio;
+    for (const auto& change : compareSpeed(before, figuresWith(machine, 1.2, seed))) {
+      EXPECT_EQ(change.slower(), change.what == "step recognise") << change.ratio;
+      EXPECT_FALSE(change.faster());
+    }
+    for (const auto& change : compareSpeed(before, figuresWith(machine, 1 / 1.2, seed)))
+      EXPECT_EQ(change.faster(), change.what == "step recognise") << change.ratio;
+  }
+  EXPECT_EQ(describe(compareSpeed(before, before)), "nothing is slower or faster beyond noise\n");
+  EXPECT_THAT(describe(compareSpeed(before, figuresWith(1, 1.2, 2))),
+              HasSubstr("slower: step recognise at 1000"));
+}
+
+TEST(BenchCompare, RefusesOtherFigures) {
+  const nlohmann::json before = figuresWith(1, 1, 1);
+  nlohmann::json other = before;
+  other["each_ms"]["1000"]["step perceive"].push_back(1.0);
+  EXPECT_THROW(compareSpeed(before, other), base::Error);
+  other = {{"each_ms", {{"7", before["each_ms"]["1000"]}}}};
+  EXPECT_THROW(compareSpeed(before, other), base::Error);
+  EXPECT_THROW(compareSpeed(nlohmann::json::object(), before), base::Error);
 }
 
 class BenchTest : public ::testing::Test {
@@ -96,6 +143,9 @@ TEST_F(BenchTest, KeepsItsMaps) {
 
 TEST_F(BenchTest, RefusesWhatItCannotUse) {
   EXPECT_EQ(bench({"--places", "1"}).code, kUsage);
+  EXPECT_THAT(bench({"--compare", path("nowhere.json")}).err, HasSubstr("nowhere.json"));
+  std::ofstream(path("other.json")) << "[1]";
+  EXPECT_THAT(bench({"--compare", path("other.json")}).err, HasSubstr("it is no JSON of"));
   const RunResult nowhere = bench({"--images", path("nowhere")});
   EXPECT_EQ(nowhere.code, kError);
   EXPECT_THAT(nowhere.err, HasSubstr("nowhere"));

@@ -94,7 +94,7 @@ TEST_F(LocalizeTest, AdaptChangesMemoriesAndAddsNoPlace) {
   EXPECT_EQ(after.edges().size(), before.edges().size());
   int learnt = 0;
   for (const auto& [id, place] : after.places())
-    learnt += place.memory.updates > before.place(id).memory.updates;
+    learnt += place.memory->updates > before.place(id).memory->updates;
   EXPECT_GE(learnt, static_cast<int>(before.places().size()) / 2);
   EXPECT_EQ(soundImages(map), 76u);
 }

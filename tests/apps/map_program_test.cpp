@@ -148,7 +148,7 @@ TEST_F(MapProgramTest, TrainsAVocabularyOnMaps) {
   const auto map = store::MapFile::open(path("m.engram"), store::Access::kReadOnly).load();
   std::vector<const types::Descriptors*> views;
   for (int twice = 0; twice < 2; ++twice)
-    for (const auto& [id, place] : map.places()) views.push_back(&place.memory.features.descriptors);
+    for (const auto& [id, place] : map.places()) views.push_back(&place.memory->features.descriptors);
   vocabulary::TreeParams params;
   params.branching = 4;
   EXPECT_EQ(vocabulary::VocabularyTree::load(file), vocabulary::VocabularyTree::train(views, params));

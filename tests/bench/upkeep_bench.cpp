@@ -26,11 +26,11 @@ class Building {
     map::Place place;
     place.T_map_place.translation() << kLane * spot, rng_.uniform(-0.05, 0.05), 0;
     place.createdStamp = stamp_++;
-    place.memory.features.keypoints.resize(kFeatures);
-    place.memory.features.descriptors = types::Descriptors(types::DescriptorKind::kInt8, 4);
-    place.memory.features.descriptors.resize(kFeatures);
-    place.memory.states.resize(kFeatures);
-    for (auto& state : place.memory.states) state.id = place.memory.nextFeatureId++;
+    place.memory.edit().features.keypoints.resize(kFeatures);
+    place.memory.edit().features.descriptors = types::Descriptors(types::DescriptorKind::kInt8, 4);
+    place.memory.edit().features.descriptors.resize(kFeatures);
+    place.memory.edit().states.resize(kFeatures);
+    for (auto& state : place.memory.edit().states) state.id = place.memory.edit().nextFeatureId++;
     const auto id = map_.addPlace(std::move(place));
     map_.addPathPoint({.anchor = id});
     at_.resize(std::max(at_.size(), static_cast<std::size_t>(spot) + 3));

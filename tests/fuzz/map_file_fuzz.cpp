@@ -44,11 +44,11 @@ std::string soundMap(const std::string& path) {
   map::TopologicalMap map;
   for (int i = 0; i < 2; ++i) {
     map::Place place;
-    place.memory.features.keypoints.resize(1);
-    place.memory.features.descriptors = types::Descriptors(types::DescriptorKind::kInt8, 8);
-    place.memory.features.descriptors.resize(1);
-    place.memory.states.emplace_back().history = {200};
-    place.memory.nextFeatureId = 1;
+    place.memory.edit().features.keypoints.resize(1);
+    place.memory.edit().features.descriptors = types::Descriptors(types::DescriptorKind::kInt8, 8);
+    place.memory.edit().features.descriptors.resize(1);
+    place.memory.edit().states.emplace_back().history = {200};
+    place.memory.edit().nextFeatureId = 1;
     map.addPathPoint({.anchor = map.addPlace(place)});
   }
   map.addView({.place = map::PlaceId(0)});

@@ -153,7 +153,7 @@ TEST(TopologicalMap, RefusesUnknownIdsAndBadPoses) {
   EXPECT_THROW(m.removeEdge(EdgeId(7)), base::Error);
   EXPECT_THROW(m.neighbours(p(7)), base::Error);
   Place place;
-  place.memory.states.resize(2);
+  place.memory.edit().states.resize(2);
   EXPECT_THROW(m.addPlace(place), base::Error);
   // A refused set of poses moves nothing.
   const auto before = m.place(p(0)).T_map_place.matrix().eval();
@@ -183,10 +183,10 @@ TEST(TopologicalMap, ForgottenFeaturesLeaveTheEdges) {
 TEST(TopologicalMap, KeepsTheFirstRangeOfAFeature) {
   auto m = ringMap(2);
   m.takeChanges();
-  const std::size_t n = m.place(p(1)).memory.features.size();
+  const std::size_t n = m.place(p(1)).memory->features.size();
   m.measure(p(1), std::vector<std::pair<int, float>>{{2, 3.5f}, {0, 1.5f}});
   m.measure(p(1), std::vector<std::pair<int, float>>{{2, 9.0f}});
-  const auto& ranges = m.place(p(1)).memory.features.ranges;
+  const auto& ranges = m.place(p(1)).memory->features.ranges;
   ASSERT_EQ(ranges.size(), n);
   EXPECT_EQ(ranges[0], 1.5f);
   EXPECT_EQ(ranges[1], 0.0f);
@@ -198,7 +198,7 @@ TEST(TopologicalMap, KeepsTheFirstRangeOfAFeature) {
   for (const auto& bad : {std::pair{-1, 1.0f}, {static_cast<int>(n), 1.0f}, {0, 0.0f}, {0, -2.0f}})
     EXPECT_THROW(m.measure(p(0), std::vector<std::pair<int, float>>{bad}), base::Error);
   EXPECT_THROW(m.measure(p(0), std::vector<std::pair<int, float>>{{1, 2.0f}, {-1, 1.0f}}), base::Error);
-  EXPECT_TRUE(m.place(p(0)).memory.features.ranges.empty()) << "a bad one changes nothing";
+  EXPECT_TRUE(m.place(p(0)).memory->features.ranges.empty()) << "a bad one changes nothing";
   EXPECT_THROW(m.measure(p(7), {}), base::Error);
 }
 
@@ -419,8 +419,9 @@ TEST(TopologicalMap, DamagedContentIsRefusedByName) {
                 c.edges.at(EdgeId(0)).correspondences = {{0, 77}};
               }),
               HasSubstr("edge 0 names a feature"));
-  EXPECT_THAT(why([](MapContent& c) { c.places.at(p(2)).memory.states[1].id = 0; }), HasSubstr("place 2"));
-  EXPECT_THAT(why([](MapContent& c) { c.places.at(p(2)).memory.features.keypoints.pop_back(); }),
+  EXPECT_THAT(why([](MapContent& c) { c.places.at(p(2)).memory.edit().states[1].id = 0; }),
+              HasSubstr("place 2"));
+  EXPECT_THAT(why([](MapContent& c) { c.places.at(p(2)).memory.edit().features.keypoints.pop_back(); }),
               HasSubstr("differ in number"));
   EXPECT_THAT(why([](MapContent& c) { c.views.at(ViewId(0)).place = p(50); }), HasSubstr("view 0"));
   EXPECT_THAT(why([](MapContent& c) { c.path[1].anchor = p(50); }), HasSubstr("path point 1"));

@@ -249,7 +249,7 @@ TEST(Localizer, LearntThresholdsReachTheMemories) {
     EXPECT_EQ(seen.views, firstMap().content().redetections.views + learnt);
     EXPECT_NE(memory::learntThreshold(seen, 0.7), 0.7);
     std::size_t longTerm = 0;
-    for (const auto& [id, place] : localizer.map().places()) longTerm += place.memory.longTerm().size();
+    for (const auto& [id, place] : localizer.map().places()) longTerm += place.memory->longTerm().size();
     return longTerm;
   };
   EXPECT_GT(firstMap().content().redetections.views, 10u);

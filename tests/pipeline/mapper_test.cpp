@@ -249,7 +249,7 @@ TEST(Mapper, LearntThresholdsReachTheMemories) {
     for (const auto& frame : secondDrive().frames) mapper.process(frame);
     EXPECT_GT(mapper.map().content().redetections.views, firstMap().content().redetections.views);
     std::size_t longTerm = 0;
-    for (const auto& [id, place] : mapper.map().places()) longTerm += place.memory.longTerm().size();
+    for (const auto& [id, place] : mapper.map().places()) longTerm += place.memory->longTerm().size();
     return longTerm;
   };
   EXPECT_NE(features("learned"), features("fixed"));

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "place_index.h"
 
+#include "engram/base/error.h"
 #include "engram/base/rng.h"
 #include "engram/memory/static_view.h"
 #include "engram/pipeline/scorer.h"
+#include "place_rows.h"
 
 #include <gtest/gtest.h>
 
@@ -176,7 +178,7 @@ struct Large {
     return made;
   }
   types::Features seenAgain(std::size_t place, int kept) {
-    return views.again(map.place(base::PlaceId(static_cast<std::uint32_t>(place))).memory.features, kept);
+    return views.again(map.place(base::PlaceId(static_cast<std::uint32_t>(place))).memory->features, kept);
   }
   Views views;
   map::TopologicalMap map;
@@ -283,6 +285,137 @@ TEST(PlaceIndex, IsMadeAtOnceForAWholeMap) {
   ASSERT_TRUE(index.ready());
   EXPECT_FALSE(none.ready());
   EXPECT_EQ(first(index.votes(views.again(places[33], 30))), 33u);
+}
+
+/// What was laid beside a map, in memory.
+class Beside : public map::Derived {
+ public:
+  explicit Beside(std::vector<map::DerivedRow> given) : rows(std::move(given)) {}
+  void read(map::DerivedKind kind, const Take& take) const override {
+    for (const map::DerivedRow& row : rows)
+      if (row.kind == kind) take(row.id, row.data);
+  }
+  std::vector<map::DerivedRow> rows;
+};
+
+std::uint32_t sameNumber(std::size_t place) { return static_cast<std::uint32_t>(place); }
+std::optional<std::size_t> samePlace(std::uint32_t id) { return id; }
+
+TEST(PlaceIndex, IsTheSameAfterItWasLaidBesideTheMap) {
+  Views views;
+  auto places = someViews(views, 120);
+  const auto source = [&](std::size_t i) { return places[i]; };
+  PlaceIndex made(50);
+  made.settle(100, source);
+  for (std::size_t i = 100; i < 120; ++i) made.set(i, places[i]);
+  made.settle(120, source);
+  const Beside beside(made.changes(sameNumber));
+  ASSERT_EQ(beside.rows.size(), 121u);
+  EXPECT_TRUE(made.changes(sameNumber).empty()) << "all of it was";
+  PlaceIndex restored(50);
+  const auto sizes = restored.restore(beside, 120, samePlace);
+  ASSERT_EQ(sizes.size(), 120u);
+  for (const auto& [place, size] : sizes) EXPECT_EQ(size, kFeatures) << place;
+  EXPECT_TRUE(restored.changes(sameNumber).empty());
+  for (int k = 0; k < 20; ++k) {
+    const types::Features view = views.again(places[views.rng().below(120)], 30);
+    EXPECT_EQ(restored.votes(view), made.votes(view));
+  }
+  // A place that learns alone is laid there again.
+  places[7] = views.make();
+  for (PlaceIndex* index : {&made, &restored}) index->set(7, places[7]);
+  ASSERT_EQ(restored.changes(sameNumber).size(), 1u);
+  const types::Features view = views.again(places[7], 30);
+  EXPECT_EQ(restored.votes(view), made.votes(view));
+}
+
+TEST(PlaceIndex, MissingRowsAreMissedAlone) {
+  Views views;
+  const auto places = someViews(views, 60);
+  const auto source = [&](std::size_t i) { return places[i]; };
+  PlaceIndex made(50);
+  made.settle(60, source);
+  Beside beside(made.changes(sameNumber));
+  PlaceIndex unneeded(60), other(50);
+  EXPECT_TRUE(unneeded.restore(beside, 60, samePlace).empty());
+  EXPECT_FALSE(unneeded.ready());
+  std::erase_if(beside.rows, [](const map::DerivedRow& row) {
+    return row.kind == map::DerivedKind::kPlaceWords && row.id == 3;
+  });
+  const std::size_t known = other.restore(beside, 60, samePlace).size();
+  EXPECT_EQ(known, 59u);
+  other.set(3, places[3]);
+  const types::Features view = views.again(places[3], 30);
+  EXPECT_EQ(other.votes(view), made.votes(view));
+  beside.rows.erase(beside.rows.begin());  // the words
+  PlaceIndex none(50);
+  EXPECT_TRUE(none.restore(beside, 60, samePlace).empty());
+  EXPECT_FALSE(none.ready());
+}
+
+TEST(PlaceIndex, RefusesRowsOfOtherWords) {
+  Views views;
+  const auto places = someViews(views, 60), others = someViews(views, 60);
+  PlaceIndex one(50), two(50);
+  one.settle(60, [&](std::size_t i) { return places[i]; });
+  two.settle(60, [&](std::size_t i) { return others[i]; });
+  Beside mixed(one.changes(sameNumber));
+  const auto rows = two.changes(sameNumber);
+  std::copy(rows.begin() + 31, rows.end(), mixed.rows.begin() + 31);
+  EXPECT_EQ(PlaceIndex(50).restore(mixed, 60, samePlace).size(), 30u);
+}
+
+TEST(PlaceRows, RefuseWhatIsCutOff) {
+  Views views;
+  const PlaceWords words = PlaceWords::train(together(someViews(views, 10)), 1);
+  const auto vocabulary = encodeVocabulary(words, 77);
+  EXPECT_EQ(decodeVocabulary(vocabulary).learnAt, 77u);
+  EXPECT_EQ(decodeVocabulary(vocabulary).words.tag(), words.tag());
+  auto place = encodeWords({words.tag(), {{3, 1}, {3, 2}, {900, ~std::uint64_t{0}}}});
+  EXPECT_EQ(decodeWords(place).words, (std::vector<PlaceWord>{{3, 1}, {3, 2}, {900, ~std::uint64_t{0}}}));
+  for (std::size_t n = 0; n < place.size(); ++n)
+    EXPECT_THROW(decodeWords(std::span(place).first(n)), base::Error) << n;
+  for (std::size_t n = 0; n < vocabulary.size(); n += 97)
+    EXPECT_THROW(decodeVocabulary(std::span(vocabulary).first(n)), base::Error) << n;
+  place[0] = 2;
+  EXPECT_THROW(decodeWords(place), base::Error);
+}
+
+/// Places that lie in a file are matched as those that are here.
+TEST(LtmMatchScorer, OpensAMapWithoutItsMemories) {
+  class File : public map::OnDemand<memory::PlaceMemory>::Source {
+   public:
+    explicit File(const map::TopologicalMap& map) : map_(map) {}
+    memory::PlaceMemory read(std::uint32_t id) const override {
+      ++reads;
+      return *map_.place(base::PlaceId(id)).memory;
+    }
+    mutable int reads = 0;
+
+   private:
+    const map::TopologicalMap& map_;
+  };
+  Large large(300);
+  const auto here = large.scorer(100, 20);
+  const auto file = std::make_shared<File>(large.map);
+  map::MapContent content = large.map.content();
+  for (auto& [id, place] : content.places) place.memory = {file, id.value};
+  content.derived = std::make_shared<Beside>(here->changes());
+  const map::TopologicalMap opened(std::move(content));
+  PipelineParams params;
+  params.recognise.exhaustive_places = 100;
+  params.recognise.proposals = 20;
+  const auto scorer = makeScorer(params);
+  std::vector<base::PlaceId> ids;
+  for (const auto& [id, place] : opened.places()) ids.push_back(id);
+  scorer->load(opened, ids);
+  EXPECT_EQ(file->reads, 0);
+  for (const std::size_t shown : {17, 170}) {
+    const types::Features view = large.seenAgain(shown, 20);
+    EXPECT_EQ(scorer->scores(view), here->scores(view));
+    EXPECT_LT(file->reads, 2 * (20 + 48));
+  }
+  EXPECT_TRUE(scorer->changes().empty());
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ class ChangingMap {
   }
   types::Features anyView() {
     const auto n = static_cast<std::uint32_t>(map.places().size());
-    return n == 0 ? randomView(rng_) : map.place(base::PlaceId(rng_.below(n))).memory.features;
+    return n == 0 ? randomView(rng_) : map.place(base::PlaceId(rng_.below(n))).memory->features;
   }
   map::TopologicalMap map;
 

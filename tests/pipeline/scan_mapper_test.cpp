@@ -126,8 +126,8 @@ TEST(ScanMapper, AFewScansBecomeReferencesOneImageLate) {
   EXPECT_LT(worstPose(map), 0.02 * drive.length());
   EXPECT_EQ(map.hopDistances(map.places().begin()->first, 1000).size(), map.places().size());
   for (const auto& [id, place] : map.places()) {
-    EXPECT_GE(place.memory.features.size(), 12u);
-    for (const float range : place.memory.features.ranges) EXPECT_GT(range, 0.0f);
+    EXPECT_GE(place.memory->features.size(), 12u);
+    for (const float range : place.memory->features.ranges) EXPECT_GT(range, 0.0f);
   }
 }
 

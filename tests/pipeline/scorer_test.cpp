@@ -57,7 +57,7 @@ std::unique_ptr<Scorer> loaded(const PipelineParams& params) {
 }
 
 types::Features longTerm(const map::Place& place) {
-  return place.memory.features.subset(place.memory.longTerm());
+  return place.memory->features.subset(place.memory->longTerm());
 }
 
 std::size_t indexOfLargest(const std::vector<double>& v) {

@@ -124,8 +124,8 @@ TEST(ViewMapper, MakesViewsByK20AndLinksThem) {
   EXPECT_LT(worstLink(map), 0.25) << "a point 3 m away is known to 0.6 m a pixel of disparity";
   EXPECT_LT(worstPose(map), 0.02 * drive.length());
   for (const auto& [id, place] : map.places()) {
-    EXPECT_LE(place.memory.features.size(), 300u);
-    for (const float range : place.memory.features.ranges) EXPECT_GT(range, 0.0f);
+    EXPECT_LE(place.memory->features.size(), 300u);
+    for (const float range : place.memory->features.ranges) EXPECT_GT(range, 0.0f);
   }
 }
 

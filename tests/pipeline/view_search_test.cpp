@@ -47,7 +47,7 @@ TEST(ViewSearch, FindsEveryViewBeforeAndAfterItsTreeIsThere) {
     EXPECT_EQ(search.hasTree(), k >= 29) << "trained from 10 on, in use 20 views later: " << k;
     for (std::uint64_t j = 0; j <= k; j += 7) {
       const auto found = search.find(
-          types::Features(map.place(base::PlaceId(static_cast<std::uint32_t>(j))).memory.features));
+          types::Features(map.place(base::PlaceId(static_cast<std::uint32_t>(j))).memory->features));
       ASSERT_FALSE(found.empty());
       EXPECT_EQ(found.front().view.value, j);
       EXPECT_LE(found.size(), 5u);
@@ -64,7 +64,7 @@ TEST(ViewSearch, ForgetsWhatTheMapForgets) {
       search.follow(map);
     }
     const base::PlaceId gone(3);
-    const types::Features image = map.place(gone).memory.features;
+    const types::Features image = map.place(gone).memory->features;
     map.removePlace(gone, base::PlaceId(4));
     search.follow(map);
     for (const auto& found : search.find(image)) EXPECT_NE(found.view, gone);
@@ -77,7 +77,7 @@ TEST(ViewSearch, AMapThatIsReadAnswersAsTheOneThatGrew) {
   ViewSearch search(params());
   search.load(map);
   EXPECT_FALSE(search.hasTree());
-  EXPECT_EQ(search.find(map.place(base::PlaceId(5)).memory.features).front().view.value, 5u);
+  EXPECT_EQ(search.find(map.place(base::PlaceId(5)).memory->features).front().view.value, 5u);
 }
 
 TEST(ViewSearch, AnEmptyMapHasNoAnswer) { EXPECT_TRUE(ViewSearch(params()).find(randomView(1)).empty()); }

@@ -223,9 +223,10 @@ TEST_F(DriveTest, MapsOfTheFirstVersionAreBroughtUpWhenTheyAreWritten) {
   const auto known = MapFile::open(name, Access::kReadOnly).drives();
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open(name.c_str(), &db), SQLITE_OK);
-  ASSERT_EQ(sqlite3_exec(db, "DROP TABLE drives; DROP TABLE undo; PRAGMA user_version = 1", nullptr, nullptr,
-                         nullptr),
-            SQLITE_OK);
+  ASSERT_EQ(
+      sqlite3_exec(db, "DROP TABLE drives; DROP TABLE undo; DROP TABLE derived; PRAGMA user_version = 1",
+                   nullptr, nullptr, nullptr),
+      SQLITE_OK);
   sqlite3_close(db);
   EXPECT_THAT(MapFile::open(name, Access::kReadOnly).check(), IsEmpty());
   EXPECT_THAT(MapFile::open(name, Access::kReadOnly).drives(), IsEmpty());

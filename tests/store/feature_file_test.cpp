@@ -15,7 +15,7 @@ class FeatureFileTest : public StoreTest {
   void SetUp() override {
     StoreTest::SetUp();
     const map::TopologicalMap map = engram::testing::ringMap(4, 12);
-    for (const auto& [id, place] : map.places()) images_.push_back(place.memory.features);
+    for (const auto& [id, place] : map.places()) images_.push_back(place.memory->features);
     images_.insert(images_.begin() + 1, types::Features());  // an image without features
     name_ = path("a.features");
     writeFeatureFile(name_, images_);

@@ -125,7 +125,7 @@ TEST_F(MapFileTest, EveryKindOfDescriptorAndNoBearings) {
                                   {types::DescriptorKind::kBinary, 486},
                                   {types::DescriptorKind::kInt8, 64}}) {
     map::Place place;
-    auto& m = place.memory;
+    auto& m = place.memory.edit();
     m.features.descriptors = types::Descriptors(kind, dim);
     m.features.descriptors.resize(3);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -145,9 +145,9 @@ TEST_F(MapFileTest, EveryKindOfDescriptorAndNoBearings) {
     MapFile file = MapFile::create(path("a.engram"), header, true);
     file.commit(map, map.takeChanges());
     const auto read = file.load();
-    EXPECT_EQ(read.place(map::PlaceId(0)).memory.features.descriptors, m.features.descriptors);
-    EXPECT_EQ(read.place(map::PlaceId(0)).memory.states, m.states);
-    EXPECT_EQ(read.place(map::PlaceId(0)).memory.features.ranges, m.features.ranges);
+    EXPECT_EQ(read.place(map::PlaceId(0)).memory->features.descriptors, m.features.descriptors);
+    EXPECT_EQ(read.place(map::PlaceId(0)).memory->states, m.states);
+    EXPECT_EQ(read.place(map::PlaceId(0)).memory->features.ranges, m.features.ranges);
     EXPECT_EQ(text({}, read.content()), text({}, map.content()));
   }
 }

@@ -111,7 +111,7 @@ TEST_F(RecoverTest, APlaceWithoutItsMemoryHoldsTheGraphTogether) {
   const auto map = MapFile::open(saved_, Access::kReadOnly).load();
   EXPECT_EQ(map.edges().size(), 12u);
   EXPECT_EQ(map.components().size(), 1u);
-  EXPECT_EQ(map.place(map::PlaceId(5)).memory.states.size(), 0u);
+  EXPECT_EQ(map.place(map::PlaceId(5)).memory->states.size(), 0u);
   expectPartOfTruth("memory 5");
 }
 

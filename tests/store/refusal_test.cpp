@@ -50,9 +50,9 @@ TEST_F(RefusalTest, WhatIsNotAMap) {
 
 TEST_F(RefusalTest, NewerVersion) {
   writeMap("a");
-  sql("a", "PRAGMA user_version = 3");
+  sql("a", "PRAGMA user_version = 4");
   for (const Access access : {Access::kReadOnly, Access::kReadWrite})
-    EXPECT_THAT(whyNot("a", access), AllOf(HasSubstr("format 3"), HasSubstr("newer Engram")));
+    EXPECT_THAT(whyNot("a", access), AllOf(HasSubstr("format 4"), HasSubstr("newer Engram")));
   sql("a", "PRAGMA user_version = 0");
   EXPECT_THAT(whyNot("a"), HasSubstr("no format version"));
 }

@@ -25,11 +25,11 @@ PlaceId addView(TopologicalMap& map, const Eigen::Isometry3d& T_map_place, doubl
   map::Place place;
   place.T_map_place = T_map_place;
   place.createdStamp = stamp;
-  place.memory.features.keypoints.resize(kPerPlace);
-  place.memory.features.descriptors = types::Descriptors(types::DescriptorKind::kInt8, 4);
-  place.memory.features.descriptors.resize(kPerPlace);
-  place.memory.states.resize(kPerPlace);
-  for (auto& state : place.memory.states) state.id = place.memory.nextFeatureId++;
+  place.memory.edit().features.keypoints.resize(kPerPlace);
+  place.memory.edit().features.descriptors = types::Descriptors(types::DescriptorKind::kInt8, 4);
+  place.memory.edit().features.descriptors.resize(kPerPlace);
+  place.memory.edit().states.resize(kPerPlace);
+  for (auto& state : place.memory.edit().states) state.id = place.memory.edit().nextFeatureId++;
   const PlaceId id = map.addPlace(std::move(place));
   map.addView({.place = id, .stamp = stamp});
   map.addPathPoint({.stamp = stamp, .anchor = id});

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/bench_command.h"
 
+#include "bench/bench_compare.h"
 #include "bench/bench_map.h"
 #include "common/table.h"
 #include "engram/apps/checks.h"
@@ -62,7 +63,12 @@ nlohmann::json figuresOf(const std::vector<BenchFigures>& all) {
     json["places"].push_back(f.places);
     json["localise_ms"][key] = meanOf(f.localise);
     json["localise_p95_ms"][key] = p95Of(f.localise);
-    json["step_ms"][key] = f.steps;
+    nlohmann::json& each = json["each_ms"][key];
+    each = {{"localise", f.localise}, {"map", f.map}, {"reference", f.reference}};
+    for (const auto& [step, times] : f.steps) {
+      json["step_ms"][key][step] = meanOf(times);
+      if (times.size() == f.localise.size()) each["step " + step] = times;
+    }
     json["map_ms"][key] = meanOf(f.map);
     json["map_p95_ms"][key] = p95Of(f.map);
     json["open_ms"][key] = f.open;
@@ -101,6 +107,7 @@ std::string BenchCommand::description() const {
 
 std::string BenchCommand::examples() const {
   return "  engram-eval bench --places 1000,10000 --out bench --json bench.json\n"
+         "  engram-eval bench --places 1000,10000 --out bench --overwrite --compare bench.json\n"
          "  engram-eval bench --images walk --out walk_bench --set recognise.scorer=ltm_match\n";
 }
 
@@ -112,6 +119,11 @@ void BenchCommand::declareMore(CLI::App& command) {
       .add_option("--images", images_,
                   "Folder of images to make the places of; without it a building is rendered")
       ->type_name("DIR");
+  command
+      .add_option("--compare", compare_,
+                  "Figures of --json of another time: what got slower beyond noise is named, and the exit "
+                  "code is 3")
+      ->type_name("FILE");
 }
 
 void BenchCommand::configure(base::Config& config) {
@@ -122,6 +134,10 @@ void BenchCommand::configure(base::Config& config) {
 }
 
 void BenchCommand::check() {
+  if (!compare_.empty()) {
+    before_ = nlohmann::json::parse(base::readTextFile(compare_), nullptr, false);
+    if (!before_.is_object()) throw base::Error(compare_ + ": it is no JSON of 'engram-eval bench'");
+  }
   if (places_.empty()) places_ = options().quick ? std::vector{50, 300} : std::vector{100, 1000, 10000};
   std::sort(places_.begin(), places_.end());
   places_.erase(std::unique(places_.begin(), places_.end()), places_.end());
@@ -194,7 +210,21 @@ Findings BenchCommand::measure(const Workplace& place, const std::string&) {
     all.push_back(measureMap(images, pipeline_, {bench_.drive, bench_.singles, bench_.wheels}, n, file));
   }
   const ResultTable table = tableOf(all);
-  return {{{"bench.csv", table.toCsv()}}, figuresOf(all), "Processor time [ms]:\n" + table.toText()};
+  Findings findings{
+      {{"bench.csv", table.toCsv()}}, figuresOf(all), "Processor time [ms]:\n" + table.toText()};
+  if (!compare_.empty()) compare(findings);
+  return findings;
+}
+
+void BenchCommand::compare(Findings& findings) const {
+  try {
+    const std::vector<SpeedChange> changes = compareSpeed(before_, findings.figures);
+    findings.summary += "Compared with " + compare_ + ": " + describe(changes);
+    if (std::any_of(changes.begin(), changes.end(), [](const SpeedChange& c) { return c.slower(); }))
+      findings.code = kPartial;
+  } catch (const nlohmann::json::exception& e) {
+    throw base::Error(compare_ + ": " + e.what());
+  }
 }
 
 }  // namespace engram::apps

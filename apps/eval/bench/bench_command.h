@@ -40,11 +40,14 @@ class BenchCommand final : public Experiment {
   std::vector<cv::Mat> sourceImages(const Workplace& place) const;
   std::vector<cv::Mat> rendered(const Workplace& place) const;
   std::vector<cv::Mat> read() const;
+  void compare(Findings& findings) const;
 
   BenchParams bench_;
   pipeline::PipelineParams pipeline_;
   std::vector<int> places_;  ///< --places
   std::string images_;       ///< --images
+  std::string compare_;      ///< --compare,
+  nlohmann::json before_;    ///< and what it holds
 };
 
 }  // namespace engram::apps

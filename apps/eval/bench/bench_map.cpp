@@ -8,6 +8,7 @@
 #include "engram/base/progress.h"
 #include "engram/memory/models.h"
 #include "engram/pipeline/perception.h"
+#include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
 
 #include <opencv2/imgcodecs.hpp>
@@ -68,13 +69,16 @@ void add(map::TopologicalMap& map, Made made, const memory::MemoryModel& model, 
   map.addEdge(std::move(edge));
 }
 
-/// The file has its name when it is whole.
-void write(const map::TopologicalMap& map, const map::MapHeader& header, const std::string& file) {
+/// With its index. The file has its name when it is whole.
+void write(map::TopologicalMap made, const pipeline::PipelineParams& params, const std::string& file) {
+  pipeline::Pipeline indexed(params, std::move(made), pipeline::Use::kFrozen);
+  const map::TopologicalMap& map = indexed.map();
   const std::string unfinished = file + ".part";
-  store::MapFile made = store::MapFile::create(unfinished, header, true);
+  store::MapFile out = store::MapFile::create(unfinished, indexed.header(), true);
   map::Cursor all;
-  made.commit(map, map.changesSince(all));
-  made.close();
+  out.commit(map, map.changesSince(all));
+  out.keep(indexed.derived());
+  out.close();
   std::filesystem::rename(unfinished, file);
 }
 
@@ -108,7 +112,7 @@ void makeBenchMap(const BenchImages& images, const pipeline::PipelineParams& par
     for (Made& one : made) add(map, std::move(one), *model, params.place.spacing);
     progress.update(static_cast<double>(first) / static_cast<double>(places), first);
   }
-  write(map, perception.mapHeader(params.memory.memory), file);
+  write(std::move(map), params, file);
 }
 
 }  // namespace engram::apps

@@ -16,12 +16,13 @@ namespace engram::apps {
 /// What a map of one size costs. Times are processor time of all threads together [ms].
 struct BenchFigures {
   std::size_t places = 0;
-  std::string scorer;                   ///< [recognise] scorer
-  std::vector<double> localise;         ///< each image from pixels to an answer
-  std::vector<double> map;              ///< each image that extends the map, without writing it to the file
-  std::map<std::string, double> steps;  ///< mean wall time of the steps of localising
-  double open = 0;                      ///< from the file to the first answer
-  double recall = 0;        ///< share of single images whose most similar place is that of exact search
+  std::string scorer;            ///< [recognise] scorer
+  std::vector<double> localise;  ///< each image from pixels to an answer
+  std::vector<double> map;       ///< each image that extends the map, without writing it to the file
+  std::map<std::string, std::vector<double>> steps;  ///< wall time of the steps of localising each image
+  std::vector<double> reference;  ///< fixed work, done after each image: how fast the machine was
+  double open = 0;                ///< from the file to the first answer
+  double recall = 0;              ///< share of single images whose most similar place is that of exact search
   int right = 0;            ///< answers that name the place shown, or a neighbour of it; of all of `localise`
   int firstRight = 0;       ///< the same of the most similar place to each single image,
   int exactRight = 0;       ///< and of exact search

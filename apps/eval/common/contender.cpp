@@ -75,7 +75,7 @@ class MemoryContender : public Contender {
 
   Holdings holdings() const override {
     std::vector<const memory::PlaceMemory*> memories;
-    for (const auto& [id, place] : map_.places()) memories.push_back(&place.memory);
+    for (const auto& [id, place] : map_.places()) memories.push_back(&*place.memory);
     return holdingsOf(memories);
   }
 

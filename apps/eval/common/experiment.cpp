@@ -70,10 +70,10 @@ int Experiment::run(std::ostream& out, std::ostream& err) {
                         options_.quiet ? nullptr : &err};
   const Findings findings = measure(place, settings);
   write(findings);
-  if (options_.quiet) return kOk;
+  if (options_.quiet) return findings.code;
   out << findings.summary;
   if (!findings.report.empty()) out << "report: " << place.file(findings.report) << "\n";
-  return kOk;
+  return findings.code;
 }
 
 void Experiment::write(const Findings& findings) const {

@@ -27,6 +27,7 @@ struct Findings {
   nlohmann::json figures;   ///< for --json
   std::string summary;      ///< for a person
   std::string report = {};  ///< the file to look at; empty: none is named
+  int code = kOk;           ///< exit code
 };
 
 /// A subcommand of engram-eval that repeats the experiments of a paper. The base class has what is the same

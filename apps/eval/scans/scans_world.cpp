@@ -42,7 +42,7 @@ Eye makeEye(double scale, const pipeline::PipelineParams& pipeline, const Workpl
 /// The points of a scan in the plane of the map.
 std::vector<Eigen::Vector2d> pointsOf(const map::Place& place, const cameras::Rectifier& rectifier) {
   std::vector<Eigen::Vector2d> points;
-  const types::Features& scan = place.memory.features;
+  const types::Features& scan = place.memory->features;
   const Eigen::Isometry3d T_map_eye = place.T_map_place * rectifier.T_robot_cam();
   for (std::size_t i = 0; i < scan.size(); ++i)
     points.push_back((T_map_eye * rectifier.model().toPoint(types::stereoPoint(
@@ -116,7 +116,7 @@ ScanRun mapDrive(const KeptDrive& drive, const pipeline::PipelineParams& params,
   draw(mapper.map(), n);
   run.ateClosed = run.pictures.back().ate;
   for (const auto& [id, place] : mapper.map().places())
-    run.pointsOf.push_back(static_cast<double>(place.memory.features.size()));
+    run.pointsOf.push_back(static_cast<double>(place.memory->features.size()));
   run.references = static_cast<int>(run.pointsOf.size());
   for (const double points : run.pointsOf) run.points += static_cast<int>(points);
   run.msPerImage = 1000 * seconds / std::max(1, run.images);
@@ -131,8 +131,8 @@ WindowFigures compareWindows(const map::TopologicalMap& map, const pipeline::Pip
   WindowFigures figures;
   for (const auto& [id, edge] : map.edges()) {
     if (edge.correspondences.empty()) continue;
-    const types::Features& a = map.place(edge.a).memory.features;
-    const types::Features& b = map.place(edge.b).memory.features;
+    const types::Features& a = map.place(edge.a).memory->features;
+    const types::Features& b = map.place(edge.b).memory->features;
     const Eigen::Isometry3d mount = rectifier.T_robot_cam();
     const Eigen::Isometry3d T_a_b =
         mount.inverse() * map.place(edge.a).T_map_place.inverse() * map.place(edge.b).T_map_place * mount;

@@ -165,7 +165,8 @@ std::string ViewsWorld::trainVocabulary() const {
                       params_.false_angle);
   mapping.add({&lifelongDrives_.front(), 0, 1, params_.wheels, {}});
   std::vector<const types::Descriptors*> images;
-  for (const auto& [id, place] : mapping.map().places()) images.push_back(&place.memory.features.descriptors);
+  for (const auto& [id, place] : mapping.map().places())
+    images.push_back(&place.memory->features.descriptors);
   vocabulary::VocabularyTree::train(images, pipeline_.tree).save(file, true);
   return file;
 }

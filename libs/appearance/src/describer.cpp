@@ -29,6 +29,7 @@ class Thumbnail final : public Describer {
  public:
   explicit Thumbnail(std::optional<Panorama> panorama) : Describer(std::move(panorama)) {}
   Eigen::Index dim() const override { return kSize.area(); }
+  std::uint32_t name() const override { return 1; }
 
  private:
   static constexpr float kNoise = 3;  // deviation below which a patch is taken to be plain [grey values]
@@ -59,6 +60,7 @@ class Hog final : public Describer {
  public:
   explicit Hog(std::optional<Panorama> panorama) : Describer(std::move(panorama)) {}
   Eigen::Index dim() const override { return kColumns * kRows * kBins; }
+  std::uint32_t name() const override { return 2; }
 
  private:
   static constexpr int kColumns = 16, kRows = 8, kBins = 9;

@@ -7,14 +7,17 @@
 
 namespace engram::appearance {
 
+void SignatureIndex::reserve(std::size_t places) {
+  const auto before = rows_.rows(), after = static_cast<Eigen::Index>(places);
+  if (after <= before) return;
+  rows_.conservativeResize(after, dim_);
+  rows_.bottomRows(after - before).setZero();
+}
+
 void SignatureIndex::set(std::size_t place, const Eigen::VectorXf& signature) {
   if (signature.size() != dim_) throw std::invalid_argument("SignatureIndex: another dimension");
-  if (place >= static_cast<std::size_t>(rows_.rows())) {
-    const auto before = rows_.rows();
-    const auto after = std::max<Eigen::Index>(static_cast<Eigen::Index>(place) + 1, 2 * before);
-    rows_.conservativeResize(after, dim_);
-    rows_.bottomRows(after - before).setZero();
-  }
+  const auto room = static_cast<std::size_t>(rows_.rows());
+  if (place >= room) reserve(std::max(place + 1, 2 * room));
   rows_.row(static_cast<Eigen::Index>(place)) = signature.transpose();
   size_ = std::max(size_, place + 1);
 }

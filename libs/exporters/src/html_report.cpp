@@ -51,8 +51,8 @@ double pathLength(const map::TopologicalMap& map) {
 Rows mapRows(const map::TopologicalMap& map) {
   std::size_t longTerm = 0, all = 0;
   for (const auto& [id, place] : map.places()) {
-    longTerm += place.memory.longTerm().size();
-    all += place.memory.states.size();
+    longTerm += place.memory->longTerm().size();
+    all += place.memory->states.size();
   }
   Rows rows{{"Places", std::to_string(map.places().size())},
             {"Views", std::to_string(map.views().size())},
@@ -173,9 +173,9 @@ void addRecords(Page& page, std::span<const types::FrameReport> records) {
 void addMemory(Page& page, const map::TopologicalMap& map) {
   std::vector<double> longTerm, shortTerm, updates;
   for (const auto& [id, place] : map.places()) {
-    longTerm.push_back(static_cast<double>(place.memory.longTerm().size()));
-    shortTerm.push_back(static_cast<double>(place.memory.states.size()) - longTerm.back());
-    updates.push_back(place.memory.updates);
+    longTerm.push_back(static_cast<double>(place.memory->longTerm().size()));
+    shortTerm.push_back(static_cast<double>(place.memory->states.size()) - longTerm.back());
+    updates.push_back(place.memory->updates);
   }
   page.heading("Memory").beginRow();
   page.append(histogram(frame("Features of a place", "features", "places"),

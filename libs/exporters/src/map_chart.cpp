@@ -40,12 +40,12 @@ void drawPlaces(Drawing& drawing, const map::TopologicalMap& map) {
   const double most = largestLongTerm(map.content());
   std::size_t i = 0;
   for (const auto& [id, place] : map.places()) {
-    const std::size_t longTerm = place.memory.longTerm().size();
+    const std::size_t longTerm = place.memory->longTerm().size();
     const std::string name = std::to_string(id.value);
     drawing.dot(onGround(place.T_map_place), radius, charts::viridis(static_cast<double>(longTerm) / most),
                 "place " + name + ": " + std::to_string(longTerm) + " long-term, " +
-                    std::to_string(place.memory.states.size() - longTerm) + " short-term features, " +
-                    std::to_string(place.memory.updates) + " views learnt, made from " + place.createdLabel);
+                    std::to_string(place.memory->states.size() - longTerm) + " short-term features, " +
+                    std::to_string(place.memory->updates) + " views learnt, made from " + place.createdLabel);
     if (i++ % every == 0) drawing.words(onGround(place.T_map_place), name, 10);
   }
 }

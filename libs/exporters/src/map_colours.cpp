@@ -26,7 +26,7 @@ charts::Colour edgeColour(map::EdgeType type) {
 
 int largestLongTerm(const map::MapContent& content) {
   std::size_t largest = 1;
-  for (const auto& [id, place] : content.places) largest = std::max(largest, place.memory.longTerm().size());
+  for (const auto& [id, place] : content.places) largest = std::max(largest, place.memory->longTerm().size());
   return static_cast<int>(largest);
 }
 

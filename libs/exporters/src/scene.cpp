@@ -90,7 +90,7 @@ gl::CRenderizable::Ptr places(const map::TopologicalMap& map, double radius) {
   auto cloud = gl::CPointCloudColoured::Create();
   cloud->setPointSize(8);
   for (const auto& [id, place] : map.places()) {
-    const Colour colour = charts::viridis(static_cast<double>(place.memory.longTerm().size()) / most);
+    const Colour colour = charts::viridis(static_cast<double>(place.memory->longTerm().size()) / most);
     const Eigen::Vector3d t = place.T_map_place.translation();
     if (map.places().size() > kMaxSpheres) {
       cloud->insertPoint({static_cast<float>(t.x()), static_cast<float>(t.y()), static_cast<float>(t.z()),

@@ -78,8 +78,14 @@ class SiftExtractor final : public BaseExtractor {
  protected:
   Detection detect(const cv::Mat& grey, double thresholdFactor) const override {
     Detection d;
-    cv::SIFT::create(0, 3, params_.sift_contrast * thresholdFactor)->detect(grey, d.raw);
-    if (params_.upright) makeUpright(d.raw);
+    const auto sift = cv::SIFT::create(0, 3, params_.sift_contrast * thresholdFactor);
+    // Describes all at once where it can: the scale space would be built twice.
+    if (!params_.upright) {
+      sift->detectAndCompute(grey, cv::noArray(), d.raw, d.descriptors);
+    } else {
+      sift->detect(grey, d.raw);
+      makeUpright(d.raw);
+    }
     d.keypoints = toKeypoints(d.raw, kSiftRegion, params_.upright);
     return d;
   }
@@ -87,10 +93,14 @@ class SiftExtractor final : public BaseExtractor {
   types::Features describeAll(const cv::Mat& grey, const Detection& d,
                               std::span<const int> indices) const override {
     auto raw = pick(d.raw, indices);
-    cv::Mat descriptors;
-    cv::SIFT::create()->compute(grey, raw, descriptors);
     types::Features out{
         toKeypoints(raw, kSiftRegion, params_.upright), types::Descriptors(kind(), dim()), {}};
+    if (!d.descriptors.empty()) {
+      for (const int i : indices) appendUnit(out.descriptors, d.descriptors.ptr<float>(i), params_.sift_root);
+      return out;
+    }
+    cv::Mat descriptors;
+    cv::SIFT::create()->compute(grey, raw, descriptors);
     for (int i = 0; i < descriptors.rows; ++i)
       appendUnit(out.descriptors, descriptors.ptr<float>(i), params_.sift_root);
     return out;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <span>
 
@@ -66,37 +67,19 @@ std::string brokenRule(const types::Features& f) {
   return {};
 }
 
-std::string brokenRule(const memory::PlaceMemory& memory) {
-  const std::size_t n = memory.states.size();
-  const auto& f = memory.features;
-  if (f.keypoints.size() != n || f.descriptors.size() != n ||
-      (!f.bearings.empty() && f.bearings.size() != n) || (!f.ranges.empty() && f.ranges.size() != n))
-    return "its features, descriptors, bearings, ranges and states differ in number";
-  if (const std::string rule = brokenRule(f); !rule.empty()) return rule;
-  std::vector<std::uint32_t> ids;
-  ids.reserve(n);
-  for (const auto& state : memory.states) {
-    if (!std::isfinite(state.value)) return "the value of a feature is not finite";
-    ids.push_back(state.id);
-  }
-  std::sort(ids.begin(), ids.end());
-  if (std::adjacent_find(ids.begin(), ids.end()) != ids.end()) return "two of its features have the same id";
-  if (!ids.empty() && ids.back() >= memory.nextFeatureId)
-    return "a feature id is not below the next free one";
-  if (memory.nextFeatureId > kMostIds) return "it has used up its numbers of features";
-  return {};
-}
-
-std::set<std::uint32_t> featureIds(const Place& place) {
+/// None of a place whose memory was not read.
+std::optional<std::set<std::uint32_t>> featureIds(const Place& place) {
+  if (!place.memory.isHere()) return std::nullopt;
   std::set<std::uint32_t> ids;
-  for (const auto& state : place.memory.states) ids.insert(state.id);
+  for (const auto& state : place.memory->states) ids.insert(state.id);
   return ids;
 }
 
 std::string name(const char* kind, std::uint32_t id) { return std::string(kind) + " " + std::to_string(id); }
 
 void checkEdges(const MapContent& content, std::vector<std::string>& broken) {
-  std::map<PlaceId, std::set<std::uint32_t>> known;
+  std::map<PlaceId, std::optional<std::set<std::uint32_t>>> known;
+  const auto knows = [](const auto& ids, std::uint32_t id) { return !ids || ids->contains(id); };
   for (const auto& [id, place] : content.places) known[id] = featureIds(place);
   for (const auto& [id, edge] : content.edges) {
     const std::string what = name("edge", id.value);
@@ -108,7 +91,7 @@ void checkEdges(const MapContent& content, std::vector<std::string>& broken) {
       continue;
     }
     for (const auto& [featureA, featureB] : edge.correspondences)
-      if (!a->second.contains(featureA) || !b->second.contains(featureB)) {
+      if (!knows(a->second, featureA) || !knows(b->second, featureB)) {
         broken.push_back(what + " names a feature that its place does not remember");
         break;
       }
@@ -172,6 +155,33 @@ std::string brokenRule(const JointErrors& joint, PlaceId own) {
 
 }  // namespace
 
+std::string brokenRule(const memory::PlaceMemory& memory) {
+  const std::size_t n = memory.states.size();
+  const auto& f = memory.features;
+  if (f.keypoints.size() != n || f.descriptors.size() != n ||
+      (!f.bearings.empty() && f.bearings.size() != n) || (!f.ranges.empty() && f.ranges.size() != n))
+    return "its features, descriptors, bearings, ranges and states differ in number";
+  if (const std::string rule = brokenRule(f); !rule.empty()) return rule;
+  std::vector<std::uint32_t> ids;
+  ids.reserve(n);
+  for (const auto& state : memory.states) {
+    if (!std::isfinite(state.value)) return "the value of a feature is not finite";
+    ids.push_back(state.id);
+  }
+  std::sort(ids.begin(), ids.end());
+  if (std::adjacent_find(ids.begin(), ids.end()) != ids.end()) return "two of its features have the same id";
+  if (!ids.empty() && ids.back() >= memory.nextFeatureId)
+    return "a feature id is not below the next free one";
+  if (memory.nextFeatureId > kMostIds) return "it has used up its numbers of features";
+  return {};
+}
+
+std::string brokenRule(const MapHeader& header, const memory::PlaceMemory& memory) {
+  const types::Descriptors& d = memory.features.descriptors;
+  const bool fits = d.empty() || (d.kind() == header.descriptorKind && d.dim() == header.descriptorDim);
+  return fits ? "" : "its descriptors are not those that the header names";
+}
+
 std::string brokenRule(const Place& place) {
   std::string rule = brokenRule(place.T_map_place, "its pose");
   if (rule.empty() && place.T_world_place) rule = brokenRule(*place.T_world_place, "its surveyed pose");
@@ -179,7 +189,7 @@ std::string brokenRule(const Place& place) {
   if (rule.empty() && place.matchedStamp && !std::isfinite(*place.matchedStamp))
     rule = "the time of its last match is not finite";
   if (rule.empty()) rule = brokenRule(place.joint, place.id);
-  return rule.empty() ? brokenRule(place.memory) : rule;
+  return rule.empty() && place.memory.isHere() ? brokenRule(*place.memory) : rule;
 }
 
 std::string brokenRule(const View& view) { return brokenRule(view.stamp, view.session); }
@@ -234,9 +244,9 @@ std::vector<std::string> brokenRules(const MapContent& content) {
 std::vector<std::string> brokenRules(const MapHeader& header, const MapContent& content) {
   std::vector<std::string> broken;
   for (const auto& [id, place] : content.places) {
-    const types::Descriptors& d = place.memory.features.descriptors;
-    if (!d.empty() && (d.kind() != header.descriptorKind || d.dim() != header.descriptorDim))
-      broken.push_back(name("place", id.value) + ": its descriptors are not those that the header names");
+    if (!place.memory.isHere()) continue;
+    if (const std::string rule = brokenRule(header, *place.memory); !rule.empty())
+      broken.push_back(name("place", id.value) + ": " + rule);
   }
   return broken;
 }

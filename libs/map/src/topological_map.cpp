@@ -198,14 +198,14 @@ types::MemoryChange TopologicalMap::remember(PlaceId id, const memory::MemoryMod
                                              const types::Features& view,
                                              std::span<const types::Match> matches) {
   Place& target = mutablePlace(id);
-  const types::MemoryChange change = model.learn(target.memory, view, matches, content_.redetections);
+  const types::MemoryChange change = model.learn(target.memory.edit(), view, matches, content_.redetections);
   journal_.note(Kind::kMemory, id.value);
   dropForgotten(id);
   return change;
 }
 
 void TopologicalMap::measure(PlaceId id, std::span<const std::pair<int, float>> ranges) {
-  types::Features& features = mutablePlace(id).memory.features;
+  types::Features& features = mutablePlace(id).memory.edit().features;
   for (const auto& [i, range] : ranges)
     if (i < 0 || static_cast<std::size_t>(i) >= features.size() || !(range > 0) || !std::isfinite(range))
       throw base::Error("a range of place " + std::to_string(id.value) + " is of no feature or no distance");
@@ -224,7 +224,7 @@ void TopologicalMap::dropForgotten(PlaceId id) {
   const auto& edges = holds_.at(id).edges;
   if (edges.empty()) return;
   std::set<std::uint32_t> known;
-  for (const auto& state : content_.places.at(id).memory.states) known.insert(state.id);
+  for (const auto& state : content_.places.at(id).memory->states) known.insert(state.id);
   for (const EdgeId edgeId : edges) {
     Edge& edge = content_.edges.at(edgeId);
     const bool isA = edge.a == id;

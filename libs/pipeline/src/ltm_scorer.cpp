@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 namespace engram::pipeline {
 namespace {
 
-constexpr std::size_t kSample = 48;  // places that stand for those that were not looked at
+constexpr std::size_t kMostFetched = 2000;  // places in a file whose features are kept here: 40 KB each
+constexpr std::size_t kSample = 48;         // places that stand for those that were not looked at
 
 /// Numbers of the largest values; of equal ones the earlier.
 std::vector<std::size_t> largest(const std::vector<double>& values, std::size_t most) {
@@ -29,14 +31,60 @@ std::vector<std::size_t> largest(const std::vector<double>& values, std::size_t 
 }  // namespace
 
 types::Features longTermOf(const map::Place& place) {
-  return place.memory.features.subset(place.memory.longTerm());
+  const memory::PlaceMemory& memory = place.memory;
+  return memory.features.subset(memory.longTerm());
 }
 
 void LtmMatcher::set(std::size_t place, const types::Features& longTerm) {
-  sizes_.resize(std::max(sizes_.size(), place + 1), 0);
-  total_ += static_cast<int>(longTerm.size()) - sizes_[place];
-  sizes_[place] = static_cast<int>(longTerm.size());
+  if (const auto old = deferred_.find(place); old != deferred_.end()) {
+    if (old->second.asked > 0) --fetched_;
+    deferred_.erase(old);
+  }
+  resize(place, static_cast<int>(longTerm.size()));
   matcher_.set(place, longTerm);
+}
+
+void LtmMatcher::defer(std::size_t place, int size, const map::OnDemand<memory::PlaceMemory>& memory) {
+  set(place, {});
+  resize(place, size);
+  deferred_[place].memory = memory;
+}
+
+void LtmMatcher::resize(std::size_t place, int size) {
+  sizes_.resize(std::max(sizes_.size(), place + 1), 0);
+  total_ += size - sizes_[place];
+  sizes_[place] = size;
+}
+
+void LtmMatcher::fetch(std::span<const std::size_t> places) const {
+  ++questions_;
+  for (const std::size_t place : places) {
+    const auto at = deferred_.find(place);
+    if (at == deferred_.end()) continue;
+    if (at->second.asked == 0) {
+      const memory::PlaceMemory memory = at->second.memory.read();
+      matcher_.set(place, memory.features.subset(memory.longTerm()));
+      ++fetched_;
+    }
+    at->second.asked = questions_;
+  }
+  if (fetched_ > kMostFetched) dropOldest();
+}
+
+/// Half of those that are here, but none that was asked for just now.
+void LtmMatcher::dropOldest() const {
+  std::vector<std::uint64_t> times;
+  for (const auto& [place, deferred] : deferred_)
+    if (deferred.asked > 0) times.push_back(deferred.asked);
+  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+  std::nth_element(times.begin(), middle, times.end());
+  const std::uint64_t kept = std::min(*middle, questions_);
+  for (auto& [place, deferred] : deferred_) {
+    if (deferred.asked == 0 || deferred.asked >= kept) continue;
+    deferred.asked = 0;
+    --fetched_;
+    matcher_.remove(place);
+  }
 }
 
 std::vector<double> LtmMatcher::scores(const types::Features& view) const {
@@ -47,6 +95,7 @@ std::vector<double> LtmMatcher::scores(const types::Features& view) const {
 
 std::vector<double> LtmMatcher::scores(const types::Features& view,
                                        std::span<const std::size_t> places) const {
+  fetch(places);
   const std::vector<int> counts = matcher_.ratioMatchCounts(view, places, match_, threads_);
   std::vector<double> result(places.size());
   for (std::size_t k = 0; k < result.size(); ++k) result[k] = similarity(counts[k], reference(places[k]));
@@ -90,6 +139,33 @@ LtmMatchScorer::LtmMatchScorer(const PipelineParams& params)
     : proposals_(static_cast<std::size_t>(params.recognise.proposals)),
       matcher_(params),
       index_(static_cast<std::size_t>(params.recognise.exhaustive_places)) {}
+
+/// What lies beside the map spares looking at what lies in it.
+void LtmMatchScorer::load(const map::TopologicalMap& map, std::span<const base::PlaceId> ids) {
+  std::map<std::size_t, int> known;
+  if (const auto& kept = map.content().derived)
+    known = index_.restore(*kept, ids.size(), [&](std::uint32_t id) -> std::optional<std::size_t> {
+      const auto at = std::lower_bound(ids.begin(), ids.end(), base::PlaceId(id));
+      if (at == ids.end() || *at != base::PlaceId(id)) return std::nullopt;
+      return static_cast<std::size_t>(at - ids.begin());
+    });
+  ids_.assign(ids.begin(), ids.end());
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const map::Place& place = map.place(ids[i]);
+    const auto size = known.find(i);
+    if (size == known.end())
+      placeChanged(i, place);
+    else if (place.memory.isHere())
+      matcher_.set(i, longTermOf(place));
+    else
+      matcher_.defer(i, size->second, place.memory);
+  }
+  settled(map);
+}
+
+std::vector<map::DerivedRow> LtmMatchScorer::changes() {
+  return index_.changes([this](std::size_t place) { return ids_[place].value; });
+}
 
 void LtmMatchScorer::placeChanged(std::size_t index, const map::Place& place) {
   const types::Features longTerm = longTermOf(place);

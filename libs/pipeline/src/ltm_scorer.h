@@ -7,6 +7,7 @@
 #include "place_index.h"
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,9 @@ class LtmMatcher {
 
   /// @param longTerm features of a place
   void set(std::size_t place, const types::Features& longTerm);
+  /// A place with so many of them, which are read when they are asked for. Only those asked for last are
+  /// kept.
+  void defer(std::size_t place, int size, const map::OnDemand<memory::PlaceMemory>& memory);
   std::size_t size() const { return sizes_.size(); }
 
   std::vector<double> scores(const types::Features& view) const;
@@ -29,11 +33,22 @@ class LtmMatcher {
   std::vector<double> scores(const types::Features& view, std::span<const std::size_t> places) const;
 
  private:
+  struct Deferred {
+    map::OnDemand<memory::PlaceMemory> memory;
+    std::uint64_t asked = 0;  ///< when it was asked for last; 0: it is not here
+  };
+
   int reference(std::size_t place) const;
+  void resize(std::size_t place, int size);
+  void fetch(std::span<const std::size_t> places) const;
+  void dropOldest() const;
 
   features::MatchParams match_;
   int threads_;
-  features::PlaceMatcher matcher_;
+  mutable features::PlaceMatcher matcher_;
+  mutable std::map<std::size_t, Deferred> deferred_;
+  mutable std::size_t fetched_ = 0;  // of these, that are here
+  mutable std::uint64_t questions_ = 0;
   std::vector<int> sizes_;
   std::int64_t total_ = 0;  // of the sizes
 };
@@ -44,9 +59,11 @@ class LtmMatchScorer final : public Scorer {
  public:
   explicit LtmMatchScorer(const PipelineParams& params);
 
+  void load(const map::TopologicalMap& map, std::span<const base::PlaceId> ids) override;
   void placeChanged(std::size_t index, const map::Place& place) override;
   void settled(const map::TopologicalMap& map) override;
   std::vector<double> scores(const types::Features& view, std::span<const std::size_t> likely) const override;
+  std::vector<map::DerivedRow> changes() override;
 
  private:
   struct Asked {

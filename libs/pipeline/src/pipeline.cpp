@@ -92,6 +92,8 @@ std::vector<base::PlaceId> Pipeline::finish() {
   return learnt;
 }
 
+std::vector<map::DerivedRow> Pipeline::derived() { return steps_->recognise->derived(*run_); }
+
 const map::TopologicalMap& Pipeline::map() const { return run_->map; }
 
 void Pipeline::survey(base::PlaceId place, const Eigen::Isometry3d& T_world_place) {

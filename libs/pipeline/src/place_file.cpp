@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <span>
 
 namespace engram::pipeline {
@@ -57,18 +58,42 @@ auto votesKernel() {
 
 }  // namespace
 
-void PlaceFile::set(std::size_t place, const types::Features& features) {
+void PlaceFile::set(std::size_t place, std::span<const PlaceWord> words) {
   if (place >= wordsOf_.size()) wordsOf_.resize(place + 1);
   remove(place);
-  for (const PlaceWord& w : words_.wordsOf(features)) {
+  wordsOf_[place].reserve(words.size());
+  for (const PlaceWord& w : words) {
     postings_[w.word].places.push_back(static_cast<std::uint32_t>(place));
     postings_[w.word].signatures.push_back(w.signature);
-    wordsOf_[place].push_back(w.word);
+    wordsOf_[place].push_back(static_cast<std::uint16_t>(w.word));
   }
 }
 
+void PlaceFile::reserve(std::span<const std::uint32_t> counts) {
+  for (std::size_t w = 0; w < std::min(counts.size(), postings_.size()); ++w) {
+    postings_[w].places.reserve(counts[w]);
+    postings_[w].signatures.reserve(counts[w]);
+  }
+}
+
+std::vector<std::vector<PlaceWord>> PlaceFile::wordsOf(std::span<const std::size_t> places) const {
+  constexpr std::size_t kNotAsked = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> answer(wordsOf_.size(), kNotAsked);
+  for (std::size_t k = 0; k < places.size(); ++k) answer[places[k]] = k;
+  std::vector<std::vector<PlaceWord>> found(places.size());
+  for (std::uint32_t word = 0; word < postings_.size(); ++word)
+    for (std::size_t i = 0; i < postings_[word].places.size(); ++i)
+      if (const std::size_t k = answer[postings_[word].places[i]]; k != kNotAsked)
+        found[k].push_back({word, postings_[word].signatures[i]});
+  for (auto& words : found)
+    std::sort(words.begin(), words.end(), [](const PlaceWord& a, const PlaceWord& b) {
+      return a.word != b.word ? a.word < b.word : a.signature < b.signature;
+    });
+  return found;
+}
+
 void PlaceFile::remove(std::size_t place) {
-  for (const std::uint32_t word : wordsOf_[place]) {
+  for (const std::uint16_t word : wordsOf_[place]) {
     auto& [places, signatures] = postings_[word];
     const auto at = std::find(places.begin(), places.end(), static_cast<std::uint32_t>(place));
     signatures[static_cast<std::size_t>(at - places.begin())] = signatures.back();

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "place_index.h"
 
+#include "place_rows.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -28,7 +30,57 @@ types::Descriptors sampled(std::size_t places, const PlaceIndex::Source& source)
 
 }  // namespace
 
+std::map<std::size_t, int> PlaceIndex::restore(const map::Derived& kept, std::size_t places,
+                                               const NumberOf& numberOf) {
+  if (places < learnAt_) return {};
+  std::optional<StoredVocabulary> vocabulary;
+  kept.read(map::DerivedKind::kWords,
+            [&](std::uint32_t, std::span<const std::uint8_t> row) { vocabulary = decodeVocabulary(row); });
+  if (!vocabulary) return {};
+  learnAt_ = std::max(static_cast<std::size_t>(vocabulary->learnAt), places + 1);
+  settled_ = wordsKept_ = true;
+  PlaceFile& file = file_.emplace(std::move(vocabulary->words));
+  std::map<std::size_t, int> sizes;
+  const auto eachPlace = [&](const auto& take) {
+    kept.read(map::DerivedKind::kPlaceWords, [&](std::uint32_t id, std::span<const std::uint8_t> row) {
+      const auto place = numberOf(id);
+      const StoredWords stored = decodeWords(row);
+      const bool known = stored.tag == file.words().tag() &&
+                         (stored.words.empty() || stored.words.back().word < file.words().size());
+      if (place && known) take(*place, stored.words);
+    });
+  };
+  std::vector<std::uint32_t> counts(file.words().size(), 0);
+  eachPlace([&](std::size_t, const std::vector<PlaceWord>& words) {
+    for (const PlaceWord& w : words) ++counts[w.word];
+  });
+  file.reserve(counts);
+  eachPlace([&](std::size_t place, const std::vector<PlaceWord>& words) {
+    file.set(place, words);
+    sizes[place] = static_cast<int>(words.size());
+  });
+  return sizes;
+}
+
+std::vector<map::DerivedRow> PlaceIndex::changes(
+    const std::function<std::uint32_t(std::size_t place)>& idOf) {
+  std::vector<map::DerivedRow> rows;
+  if (!file_ || (wordsKept_ && unkept_.empty())) return rows;
+  const bool learning = learning_.valid() || next_;  // that has to begin anew
+  if (!wordsKept_)
+    rows.push_back({map::DerivedKind::kWords, 0, encodeVocabulary(file_->words(), learning ? 0 : learnAt_)});
+  const std::vector<std::size_t> places(unkept_.begin(), unkept_.end());
+  const auto words = file_->wordsOf(places);
+  for (std::size_t k = 0; k < places.size(); ++k)
+    rows.push_back(
+        {map::DerivedKind::kPlaceWords, idOf(places[k]), encodeWords({file_->words().tag(), words[k]})});
+  unkept_.clear();
+  wordsKept_ = true;
+  return rows;
+}
+
 void PlaceIndex::set(std::size_t place, const types::Features& features) {
+  unkept_.insert(place);
   if (file_) file_->set(place, features);
   if (next_ && place < filled_) next_->set(place, features);
 }
@@ -59,6 +111,8 @@ void PlaceIndex::fill(std::size_t places, std::size_t most, const Source& source
     next_->set(filled_, source(filled_));
   if (filled_ < places) return;
   file_ = std::exchange(next_, std::nullopt);
+  wordsKept_ = false;
+  for (std::size_t place = 0; place < places; ++place) unkept_.insert(place);
 }
 
 }  // namespace engram::pipeline

@@ -45,7 +45,7 @@ bool isSharp(const types::RelPose& way) {
 /// The points that a view and a place see from the two ends of a way that is known well enough.
 std::vector<Landmark> landmarks(const Run& run, const types::Features& view, const Link& link,
                                 const types::RelPose& T_place_robot) {
-  const types::Features& place = run.map.place(link.place).memory.features;
+  const types::Features& place = run.map.place(link.place).memory->features;
   if (view.bearings.empty() || place.bearings.empty() || !isSharp(T_place_robot)) return {};
   return triangulated(view, place, link.match.matches, cameraSeenFrom(run, link, T_place_robot),
                       kRangeParallax);
@@ -81,14 +81,14 @@ void measureWith(Run& run, const types::Features& view, const Verified& verified
 types::MemoryChange teach(Run& run, const memory::MemoryModel& memory, const Lesson& lesson,
                           const PlaceMatch& match) {
   const auto T_place_view = cameraSeenFrom(run, {lesson.place, match}, lesson.T_place_robot);
-  const types::Features& known = run.map.place(lesson.place).memory.features;
+  const types::Features& known = run.map.place(lesson.place).memory->features;
   return run.map.remember(lesson.place, memory, inPlaceFrame(lesson.view, T_place_view, known, match.matches),
                           match.matches);
 }
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> correspondences(const Run& run, const PlaceMatch& match,
                                                                      base::PlaceId a, base::PlaceId b) {
-  const auto& statesA = run.map.place(a).memory.states;
+  const auto& statesA = run.map.place(a).memory->states;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const auto& m : match.matches)
     if (indexInFresh(run.map.place(b).memory, m.a) >= 0)

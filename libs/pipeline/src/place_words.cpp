@@ -101,22 +101,31 @@ Descriptors kMeans(const Descriptors& rows, std::size_t k, base::Rng rng) {
   return centres;
 }
 
+/// FNV-1a.
+constexpr std::uint64_t kHashStart = 0xcbf29ce484222325;
+std::uint64_t hashed(const Descriptors& rows, std::uint64_t hash) {
+  for (const std::byte b : rows.bytes()) hash = (hash ^ static_cast<std::uint64_t>(b)) * 0x100000001b3;
+  return (hash ^ rows.size()) * 0x100000001b3;
+}
+
 }  // namespace
 
-PlaceWords::PlaceWords(RowSet cells, std::vector<Descriptors> centres)
-    : cells_(std::move(cells)), centres_(std::move(centres)) {
+PlaceWords::PlaceWords(Descriptors cells, std::vector<Descriptors> centres)
+    : cellCentres_(std::move(cells)), cells_(cellCentres_), centres_(std::move(centres)) {
+  tag_ = hashed(cellCentres_, kHashStart);
   for (const Descriptors& cell : centres_) {
     words_.emplace_back(cell);
     first_.push_back(static_cast<std::uint32_t>(size_));
     size_ += 2 * cell.size();
+    tag_ = hashed(cell, tag_);
   }
 }
 
 PlaceWords PlaceWords::train(const Descriptors& sample, std::uint64_t seed) {
   const base::Rng rng(seed);
   const std::size_t cells = std::clamp<std::size_t>(sample.size() / 64, 1, kCells);
-  const Descriptors centres = kMeans(drawn(sample, cells * kRowsPerCell, rng.fork(0)), cells, rng.fork(1));
-  RowSet coarse(centres);
+  Descriptors centres = kMeans(drawn(sample, cells * kRowsPerCell, rng.fork(0)), cells, rng.fork(1));
+  const RowSet coarse(centres);
   std::vector<std::vector<std::uint32_t>> members(centres.size());
   const std::vector<int> cell = nearest(coarse, RowSet(sample));
   for (std::uint32_t i = 0; i < cell.size(); ++i) members[static_cast<std::size_t>(cell[i])].push_back(i);
@@ -129,7 +138,7 @@ PlaceWords PlaceWords::train(const Descriptors& sample, std::uint64_t seed) {
     const std::size_t words = std::clamp<std::size_t>(members[c].size() / kRowsPerWord, 1, kCells);
     fine.push_back(kMeans(chosen(sample, members[c]), words, rng.fork(2 + c)));
   }
-  return {std::move(coarse), std::move(fine)};
+  return {std::move(centres), std::move(fine)};
 }
 
 std::uint64_t PlaceWords::signature(const Descriptors& rows, std::size_t row, std::size_t cell,

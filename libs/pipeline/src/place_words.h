@@ -36,16 +36,24 @@ class PlaceWords {
 
   std::size_t size() const { return size_; }  ///< words are 0 … size() - 1
 
+  /// From what cells() and centres() gave: centres of the cells, and of the words of each, none empty.
+  PlaceWords(types::Descriptors cells, std::vector<types::Descriptors> centres);
+  const types::Descriptors& cells() const { return cellCentres_; }
+  const std::vector<types::Descriptors>& centres() const { return centres_; }
+  /// Equal for equal words; others differ but for an accident in 2^64.
+  std::uint64_t tag() const { return tag_; }
+
  private:
-  PlaceWords(features::RowSet cells, std::vector<types::Descriptors> centres);
   std::uint64_t signature(const types::Descriptors& rows, std::size_t row, std::size_t cell,
                           std::size_t word) const;
 
-  features::RowSet cells_;
+  types::Descriptors cellCentres_;
+  features::RowSet cells_;                   // the same for the kernels
   std::vector<types::Descriptors> centres_;  // of the words of each cell,
   std::vector<features::RowSet> words_;      // the same for the kernels,
   std::vector<std::uint32_t> first_;         // and the first word
   std::size_t size_ = 0;
+  std::uint64_t tag_ = 0;
 };
 
 }  // namespace engram::pipeline

@@ -211,7 +211,7 @@ bool OnePlaceStep::accepts(Run& run, const Keyframe& image, Link& link, Verified
 bool OnePlaceStep::mayJoin(Run& run, const Keyframe& image, const Link& link) {
   if (!run.robot.metric() || run.joined(run.robot.anchor(), link.place)) return true;
   const auto measured = measuredBy(link.match, run.perception.eye());
-  if (!measured) return run.map.place(link.place).memory.features.ranges.empty();
+  if (!measured) return run.map.place(link.place).memory->features.ranges.empty();
   return joins_.agree(image.frame.index, run.map.place(link.place).T_map_place * measured->T_a_b,
                       T_map_robot(run), 0.5 * run.params.place.spacing);
 }

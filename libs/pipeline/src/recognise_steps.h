@@ -17,6 +17,7 @@ class BeliefStep final : public RecogniseStep {
   explicit BeliefStep(std::shared_ptr<Recogniser> recogniser) : recogniser_(std::move(recogniser)) {}
   Evidence recognise(Run& run, const Keyframe& image, types::FrameReport& report) override;
   void restart() override { recogniser_->restart(); }
+  std::vector<map::DerivedRow> derived(const Run& run) override { return recogniser_->derived(run.map); }
 
  private:
   std::shared_ptr<Recogniser> recogniser_;

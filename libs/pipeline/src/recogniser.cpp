@@ -76,8 +76,10 @@ void Recogniser::restart() {
 }
 
 void Recogniser::load(const map::TopologicalMap& map) {
-  for (const auto& [id, place] : map.places()) placeChanged(map, place);
-  scorer_->settled(map);
+  if (wholeImage_) wholeImage_->restore(map);
+  for (const auto& [id, place] : map.places()) numberOf(map, id);
+  if (wholeImage_) wholeImage_->forgetRestored();
+  scorer_->load(map, ids_);
   std::set<int> touched;
   for (const auto& [id, edge] : map.edges()) edgeChanged(edge, touched);
   for (const int index : touched) connect(map, index);
@@ -103,18 +105,28 @@ int Recogniser::indexOf(base::PlaceId id) const {
   return at != ids_.end() && *at == id ? static_cast<int>(at - ids_.begin()) : -1;
 }
 
+/// Of a new place too: ids only grow.
+int Recogniser::numberOf(const map::TopologicalMap& map, base::PlaceId place) {
+  if (const int known = indexOf(place); known >= 0) return known;
+  ids_.push_back(place);
+  adjacency_.neighbours.emplace_back();
+  adjacency_.successor.push_back(-1);
+  adjacency_.predecessor.push_back(-1);
+  adjacency_.poses.emplace_back();
+  if (wholeImage_) wholeImage_->add(map, place, ids_.size() - 1);
+  return static_cast<int>(ids_.size()) - 1;
+}
+
 void Recogniser::placeChanged(const map::TopologicalMap& map, const map::Place& place) {
-  int index = indexOf(place.id);
-  if (index < 0) {  // ids only grow
-    index = static_cast<int>(ids_.size());
-    ids_.push_back(place.id);
-    adjacency_.neighbours.emplace_back();
-    adjacency_.successor.push_back(-1);
-    adjacency_.predecessor.push_back(-1);
-    adjacency_.poses.emplace_back();
-    if (wholeImage_) wholeImage_->add(map, place.id, static_cast<std::size_t>(index));
-  }
-  scorer_->placeChanged(static_cast<std::size_t>(index), place);
+  scorer_->placeChanged(static_cast<std::size_t>(numberOf(map, place.id)), place);
+}
+
+std::vector<map::DerivedRow> Recogniser::derived(const map::TopologicalMap& map) {
+  follow(map);
+  std::vector<map::DerivedRow> rows = scorer_->changes();
+  if (wholeImage_)
+    for (map::DerivedRow& row : wholeImage_->changes()) rows.push_back(std::move(row));
+  return rows;
 }
 
 void Recogniser::edgeChanged(const map::Edge& edge, std::set<int>& touched) {

@@ -140,7 +140,7 @@ Verified ScansVerify::verify(Run& run, const Keyframe& image, Evidence evidence,
   Verified verified;
   const ScanPoses& poses = *track_->poses;
   for (types::Hypothesis& near : report.hypotheses) {
-    const types::Features& scan = run.map.place(near.place).memory.features;
+    const types::Features& scan = run.map.place(near.place).memory->features;
     Link link{near.place, matchNear(run, image.features, scan, poses.expected(run, near.place).T_a_b)};
     near.inliers = link.match.verified() ? static_cast<int>(link.match.matches.size()) : 0;
     verified.tried.push_back(near.place);

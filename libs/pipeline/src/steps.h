@@ -131,6 +131,8 @@ class RecogniseStep {
   virtual Evidence recognise(Run& run, const Keyframe& image, types::FrameReport& report) = 0;
   /// The robot is lost: every place is equally likely again.
   virtual void restart() {}
+  /// What is to be laid beside the map.
+  virtual std::vector<map::DerivedRow> derived(const Run&) { return {}; }
 };
 
 class VerifyStep {

@@ -46,8 +46,8 @@ Eigen::Isometry3d guessedPose(const Run& run, const std::vector<Link>& links) {
 map::Edge edgeOf(const Run& run, const Link& link, base::PlaceId view) {
   map::Edge edge{.type = closureType(run, link.place), .a = link.place, .b = view};
   edge.T_a_b = *link.match.T_place_robot;
-  const auto& statesA = run.map.place(link.place).memory.states;
-  const auto& statesB = run.map.place(view).memory.states;
+  const auto& statesA = run.map.place(link.place).memory->states;
+  const auto& statesB = run.map.place(view).memory->states;
   for (const auto& m : link.match.matches)
     edge.correspondences.emplace_back(statesA[static_cast<std::size_t>(m.b)].id,
                                       statesB[static_cast<std::size_t>(m.a)].id);

@@ -40,7 +40,7 @@ void ViewSearch::follow(const map::TopologicalMap& map) {
 }
 
 void ViewSearch::add(const map::TopologicalMap& map, base::PlaceId view) {
-  const types::Features& features = map.place(view).memory.features;
+  const types::Features& features = map.place(view).memory->features;
   if (index_) {
     index_->add(numberOf(view), index_->tree().wordsOf(features.descriptors));
   } else {
@@ -83,7 +83,7 @@ std::vector<ViewSearch::Found> ViewSearch::find(const types::Features& image) co
 
 void ViewSearch::startTraining(const map::TopologicalMap& map) {
   std::vector<const types::Descriptors*> images;
-  for (const auto& [id, place] : map.places()) images.push_back(&place.memory.features.descriptors);
+  for (const auto& [id, place] : map.places()) images.push_back(&place.memory->features.descriptors);
   training_ =
       std::async(std::launch::async,
                  [sample = vocabulary::VocabularyTree::sample(images, treeParams_), params = treeParams_] {
@@ -97,7 +97,7 @@ void ViewSearch::startTraining(const map::TopologicalMap& map) {
 void ViewSearch::takeTree(const map::TopologicalMap& map) {
   std::vector<vocabulary::ViewIndex::Described> views;
   for (const auto& [id, place] : map.places())
-    views.push_back({numberOf(id), &place.memory.features.descriptors});
+    views.push_back({numberOf(id), &place.memory->features.descriptors});
   index_.emplace(training_.get(), views);
   matcher_ = {};
   slots_.clear();

@@ -3,6 +3,9 @@
 #include "blob.h"
 
 #include <algorithm>
+#include <libdeflate.h>
+#include <memory>
+#include <new>
 #include <zlib.h>
 
 namespace engram::store {
@@ -11,8 +14,20 @@ namespace {
 constexpr std::size_t kKindBytes = 2, kCrcBytes = 4;
 
 std::uint32_t rowChecksum(std::span<const std::uint8_t> bytes, std::uint64_t rowId) {
-  const uLong key = crc32(0, reinterpret_cast<const Bytef*>(&rowId), sizeof rowId);
-  return static_cast<std::uint32_t>(crc32_z(key, bytes.data(), bytes.size()));
+  const std::uint32_t key = libdeflate_crc32(0, &rowId, sizeof rowId);
+  return libdeflate_crc32(key, bytes.data(), bytes.size());
+}
+
+/// Three times as fast as zlib, where the size of the content is known.
+bool inflated(std::span<const std::uint8_t> packed, Blob& content) {
+  struct Free {
+    void operator()(libdeflate_decompressor* d) const { libdeflate_free_decompressor(d); }
+  };
+  static thread_local const std::unique_ptr<libdeflate_decompressor, Free> decompressor(
+      libdeflate_alloc_decompressor());
+  if (!decompressor) throw std::bad_alloc();
+  return libdeflate_zlib_decompress(decompressor.get(), packed.data(), packed.size(), content.data(),
+                                    content.size(), nullptr) == LIBDEFLATE_SUCCESS;
 }
 
 [[noreturn]] void tooShort() { throw base::Error("a row is too short"); }
@@ -20,7 +35,7 @@ std::uint32_t rowChecksum(std::span<const std::uint8_t> bytes, std::uint64_t row
 }  // namespace
 
 std::uint32_t crc32Of(std::span<const std::uint8_t> bytes) {
-  return static_cast<std::uint32_t>(crc32_z(0, bytes.data(), bytes.size()));
+  return libdeflate_crc32(0, bytes.data(), bytes.size());
 }
 
 std::uint32_t crc32Of(const std::string& text) {
@@ -61,9 +76,7 @@ void BlobReader::decompress() {
   // Huffman codes are at least one bit long, so a larger size is a false one: a row never grows by more.
   if (size / 8 > rest_.size()) throw base::Error("a compressed row has a false size");
   decompressed_.resize(size);
-  uLongf length = size;
-  if (uncompress(decompressed_.data(), &length, rest_.data(), rest_.size()) != Z_OK || length != size)
-    throw base::Error("a compressed row cannot be read");
+  if (!inflated(rest_, decompressed_)) throw base::Error("a compressed row cannot be read");
   rest_ = decompressed_;
 }
 

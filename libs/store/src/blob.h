@@ -28,7 +28,8 @@ enum class RowKind : std::uint8_t {
   kEdge = 'E',
   kPath = 'T',
   kFeatures = 'F',
-  kDrive = 'D'
+  kDrive = 'D',
+  kCounts = 'N'
 };
 
 /// CRC-32 of zlib.
@@ -87,6 +88,8 @@ class BlobReader {
   /// Throws unless so many bytes are left: call it before an allocation.
   void require(std::size_t size) const;
   void requireEnd() const;
+  /// What is left; to be copied before the row goes.
+  std::span<const std::uint8_t> rest() const { return rest_; }
 
   /// Undoes BlobWriter::compress(); call it first.
   void decompress();

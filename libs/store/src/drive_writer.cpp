@@ -71,7 +71,7 @@ void DriveWriter::openExisting(const types::Frame* first) {
 
 map::TopologicalMap DriveWriter::load() {
   if (!file_) return {};
-  map::TopologicalMap map = resumes_ ? file_->loadBeforeLastDrive() : file_->load();
+  map::TopologicalMap map = resumes_ ? file_->loadBeforeLastDrive() : file_->loadOnDemand();
   stored_ = map.now();
   return map;
 }
@@ -130,6 +130,10 @@ void DriveWriter::end(const map::TopologicalMap& map, bool whole) {
   if (added_ < recorded_.size() || next_) return;
   file_->commit(map, map.changesSince(stored_));
   if (whole) file_->endDrive();
+}
+
+void DriveWriter::keep(std::span<const map::DerivedRow> rows) {
+  if (file_ && !next_) file_->keep(rows);
 }
 
 }  // namespace engram::store

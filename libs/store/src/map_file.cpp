@@ -3,11 +3,14 @@
 #include "engram/store/map_file.h"
 
 #include "database.h"
+#include "derived_rows.h"
 #include "diagnosis.h"
 #include "engram/base/error.h"
 #include "engram/store/report_json.h"
+#include "feature_counts.h"
 #include "map_reader.h"
 #include "rows.h"
+#include "rows_on_demand.h"
 #include "schema.h"
 #include "undo.h"
 
@@ -119,7 +122,7 @@ void requireFile(const std::string& path) {
 
 struct MapFile::Impl {
   Impl(const std::string& path, Database::Mode mode)
-      : database(std::make_unique<Database>(path, mode)),
+      : database(std::make_shared<Database>(path, mode)),
         name(path),
         writable(mode != Database::Mode::kReadOnly) {}
 
@@ -135,7 +138,8 @@ struct MapFile::Impl {
   }
 
   std::optional<WriterLock> lock;
-  std::unique_ptr<Database> database;  // after the lock: closed before that is given back
+  std::shared_ptr<Database> database;  // after the lock: closed before that is given back
+  std::shared_ptr<RowsOnDemand> rows;  // of the map that was loaded on demand
   std::string name;
   bool writable;
   bool ready = false;  ///< for writing
@@ -256,6 +260,36 @@ const map::MapHeader& MapFile::header() const { return impl_->header; }
 
 map::TopologicalMap MapFile::load() const { return map::TopologicalMap(MapReader(impl_->open()).content()); }
 
+map::TopologicalMap MapFile::loadOnDemand() {
+  impl_->open();
+  // What has lost its log is nobody's snapshot.
+  if (!impl_->writable && logIsMissing(impl_->name)) return load();
+  impl_->rows = std::make_shared<RowsOnDemand>(impl_->database, impl_->header, impl_->version);
+  map::MapContent content = MapReader(impl_->open()).content(impl_->rows);
+  content.derived = impl_->rows;
+  return map::TopologicalMap(std::move(content));
+}
+
+map::TopologicalMap MapFile::loadGraph() {
+  impl_->rows = std::make_shared<RowsOnDemand>(impl_->database, impl_->header, impl_->version);
+  return map::TopologicalMap(MapReader(impl_->open()).content(impl_->rows, false));
+}
+
+void MapFile::yieldToWriter() {
+  if (!impl_->database || impl_->writable || !impl_->rows || !WriterLock::isHeld(impl_->name)) return;
+  impl_->rows->letGo();
+  impl_->database.reset();
+}
+
+void MapFile::keep(std::span<const map::DerivedRow> rows) {
+  const CountsByPlace counts = countFeatures(impl_->open(), impl_->version);
+  if (rows.empty() && impl_->version >= 3 && counts == keptCounts(impl_->open())) return;
+  Edit edit(*impl_);
+  writeDerived(edit.database(), rows);
+  writeCounts(edit.database(), counts);
+  edit.commit();
+}
+
 void MapFile::commit(const map::TopologicalMap& map, const map::MapChanges& changes,
                      const types::FrameReport* report) {
   commit(map, changes, std::span(report, report == nullptr ? 0 : 1));
@@ -335,6 +369,11 @@ void MapFile::forgetRecords(int firstKeptSession) {
   edit.commit();
 }
 
+FeatureCounts MapFile::featureCounts() const { return sumOf(countFeatures(impl_->open(), impl_->version)); }
+
+std::uint64_t MapFile::recordCount() const { return impl_->state.records; }
+std::uint64_t MapFile::viewCount() const { return impl_->state.views; }
+
 std::vector<types::FrameReport> MapFile::records() const { return MapReader(impl_->open()).records(); }
 
 std::vector<std::string> MapFile::check() const {
@@ -347,6 +386,7 @@ std::vector<std::string> MapFile::check() const {
     reader.content();
     reader.records();
     if (impl_->version >= 2) reader.drives();
+    if (impl_->version >= 3) checkDerived(impl_->open(), problems);
   } catch (const base::Error& e) {
     problems.emplace_back(e.what());
   }
@@ -371,7 +411,8 @@ std::uint64_t MapFile::bytes() const {
 void MapFile::close() {
   if (!impl_->database) return;
   {
-    const std::unique_ptr<Database> database = std::move(impl_->database);
+    const std::shared_ptr<Database> database = std::move(impl_->database);
+    if (impl_->writable && impl_->rows) impl_->rows->closing(impl_->state.commits);
     const bool logged = fs::exists(impl_->name + "-wal");  // another writer has left it
     if (impl_->writable && (impl_->ready || logged)) database->foldLog();
   }

@@ -114,7 +114,27 @@ map::MapHeader MapReader::header() {
   return h;
 }
 
-map::MapContent MapReader::content() {
+void MapReader::readMemories(const MapState& s, map::MapContent& c) {
+  forEachRow("SELECT id, data FROM memories ORDER BY id", "memory of place", s.places,
+             [&](std::uint64_t id, Statement& row) {
+               memory::PlaceMemory memory = decodeMemory(row.blob(1), id);
+               const auto it = c.places.find(map::PlaceId(static_cast<std::uint32_t>(id)));
+               if (it == c.places.end()) throw base::Error("its place is missing");
+               it->second.memory = std::move(memory);
+             });
+}
+
+void MapReader::readViews(const MapState& s, map::MapContent& c) {
+  forEachRow("SELECT id, data FROM views ORDER BY id", "view", s.views,
+             [&](std::uint64_t id, Statement& row) {
+               map::View view = decodeView(row.blob(1), id);
+               if (problems_ != nullptr) checkPicture(view);
+               c.views.emplace(view.id, std::move(view));
+             });
+}
+
+map::MapContent MapReader::content(std::shared_ptr<const map::OnDemand<memory::PlaceMemory>::Source> memories,
+                                   bool withViews) {
   const MapState s = state();
   map::MapContent c;
   c.nextPlace = s.nextPlace;
@@ -126,19 +146,16 @@ map::MapContent MapReader::content() {
                map::Place place = decodePlace(row.blob(1), id);
                c.places.emplace(place.id, std::move(place));
              });
-  forEachRow("SELECT id, data FROM memories ORDER BY id", "memory of place", s.places,
-             [&](std::uint64_t id, Statement& row) {
-               memory::PlaceMemory memory = decodeMemory(row.blob(1), id);
-               const auto it = c.places.find(map::PlaceId(static_cast<std::uint32_t>(id)));
-               if (it == c.places.end()) throw base::Error("its place is missing");
-               it->second.memory = std::move(memory);
-             });
-  forEachRow("SELECT id, data FROM views ORDER BY id", "view", s.views,
-             [&](std::uint64_t id, Statement& row) {
-               map::View view = decodeView(row.blob(1), id);
-               if (problems_ != nullptr) checkPicture(view);
-               c.views.emplace(view.id, std::move(view));
-             });
+  if (memories)
+    forEachRow("SELECT id FROM memories ORDER BY id", "memory of place", s.places,
+               [&](std::uint64_t id, Statement&) {
+                 const auto it = c.places.find(map::PlaceId(static_cast<std::uint32_t>(id)));
+                 if (it == c.places.end()) throw base::Error("its place is missing");
+                 it->second.memory = {memories, static_cast<std::uint32_t>(id)};
+               });
+  else
+    readMemories(s, c);
+  if (withViews) readViews(s, c);
   forEachRow("SELECT id, data FROM edges ORDER BY id", "edge", s.edges,
              [&](std::uint64_t id, Statement& row) {
                map::Edge edge = decodeEdge(row.blob(1), id);

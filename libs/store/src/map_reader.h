@@ -7,6 +7,7 @@
 #include "engram/map/map_content.h"
 #include "engram/types/frame_report.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,9 @@ class MapReader {
 
   MapState state();
   map::MapHeader header();
-  map::MapContent content();
+  /// @param memories from which each is read when it is asked for; null: all are read now
+  map::MapContent content(std::shared_ptr<const map::OnDemand<memory::PlaceMemory>::Source> memories = {},
+                          bool withViews = true);
   std::vector<types::FrameReport> records();
   /// Of a map whose format has them.
   std::vector<Drive> drives();
@@ -32,6 +35,8 @@ class MapReader {
   template <class Read>
   void forEachRow(const char* sql, const std::string& what, std::uint64_t expected, Read&& read);
   void problem(const std::string& what);
+  void readViews(const MapState& state, map::MapContent& content);
+  void readMemories(const MapState& state, map::MapContent& content);
   void checkPicture(const map::View& view);
 
   Database& database_;

@@ -68,12 +68,12 @@ class Builder {
   void dropBadPlaces() {
     const types::Descriptors none(from_.header.descriptorKind, from_.header.descriptorDim);
     for (auto& [id, place] : content_.places) {
-      const types::Descriptors& kept = place.memory.features.descriptors;
+      const types::Descriptors& kept = place.memory->features.descriptors;
       const bool fits = kept.kind() == none.kind() && kept.dim() == none.dim();
       if (fits && from_.memories.contains(id.value)) continue;
       bad("memory").insert(id.value);
       place.memory = {};
-      place.memory.features.descriptors = none;
+      place.memory.edit().features.descriptors = none;
     }
     std::erase_if(content_.places, [&](const auto& item) {
       if (map::brokenRule(item.second).empty()) return false;

@@ -135,7 +135,7 @@ void inferDescriptors(Salvage& out) {
   if (!out.lostHeaders.contains("descriptor_kind") && !out.lostHeaders.contains("descriptor_dim")) return;
   h.descriptorDim = std::max(1, h.descriptorDim);
   for (const auto& [id, place] : out.content.places) {
-    const types::Descriptors& kept = place.memory.features.descriptors;
+    const types::Descriptors& kept = place.memory->features.descriptors;
     if (!out.memories.contains(id.value) || kept.dim() == 0) continue;
     h.descriptorKind = kept.kind();
     h.descriptorDim = kept.dim();

@@ -19,6 +19,8 @@ std::string statements(int version) {
   for (const char* table : kTables) (all += table) += ";\n";
   if (version >= 2)
     for (const char* table : kTablesOfVersion2) (all += table) += ";\n";
+  if (version >= 3)
+    for (const char* table : kTablesOfVersion3) (all += table) += ";\n";
   return all;
 }
 
@@ -73,8 +75,9 @@ int requireMap(Database& database) {
   return static_cast<int>(version);
 }
 
-void upgradeSchema(Database& database, int version) {
-  if (version >= kFormatVersion) return;
+namespace {
+
+void nameDrives(Database& database) {
   const std::vector<Drive> drives = drivesFromRecords(database);
   for (const char* table : kTablesOfVersion2) database.execute(table);
   Statement insert(database, "INSERT INTO drives VALUES (?, ?)");
@@ -82,6 +85,14 @@ void upgradeSchema(Database& database, int version) {
     const Blob row = encode(drive);
     insert.bind(1, drive.id).bind(2, row).run();
   }
+}
+
+}  // namespace
+
+void upgradeSchema(Database& database, int version) {
+  if (version >= kFormatVersion) return;
+  if (version < 2) nameDrives(database);
+  for (const char* table : kTablesOfVersion3) database.execute(table);
   setVersion(database);
 }
 

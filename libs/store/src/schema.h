@@ -30,6 +30,12 @@ inline constexpr const char* kTablesOfVersion2[] = {
     "PRIMARY KEY (kind, id)) WITHOUT ROWID",
 };
 
+/// What version 3 added.
+inline constexpr const char* kTablesOfVersion3[] = {
+    "CREATE TABLE derived  (kind INTEGER NOT NULL, id INTEGER NOT NULL, data BLOB NOT NULL, "
+    "PRIMARY KEY (kind, id)) WITHOUT ROWID",
+};
+
 /// Makes the tables in a new file. To be called within a transaction.
 void createSchema(Database& database);
 

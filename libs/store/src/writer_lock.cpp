@@ -61,6 +61,10 @@ bool isAt(int descriptor, const std::string& path) {
          open.st_dev == there.st_dev;
 }
 
+std::string lockPathOf(const std::string& mapPath) {
+  return fs::weakly_canonical(fs::absolute(mapPath)).string() + "-lock";
+}
+
 int lockedFile(const std::string& mapPath, const std::string& lockPath) {
   while (true) {
     const int descriptor = ::open(lockPath.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
@@ -79,13 +83,23 @@ int lockedFile(const std::string& mapPath, const std::string& lockPath) {
 
 }  // namespace
 
-WriterLock::WriterLock(const std::string& mapPath)
-    : mapPath_(mapPath), lockPath_(fs::weakly_canonical(fs::absolute(mapPath)).string() + "-lock") {
+WriterLock::WriterLock(const std::string& mapPath) : mapPath_(mapPath), lockPath_(lockPathOf(mapPath)) {
   descriptor_ = lockedFile(mapPath_, lockPath_);
   const std::string text = signature() + "\n";
   // What cannot be noted, on a full disk, only makes the message of another program poorer.
   if (ftruncate(descriptor_, 0) == 0) [[maybe_unused]]
     const auto ignored = pwrite(descriptor_, text.data(), text.size(), 0);
+}
+
+bool WriterLock::isHeld(const std::string& mapPath) {
+  const int descriptor = ::open(lockPathOf(mapPath).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (descriptor < 0) return false;
+  struct flock whole {};
+  whole.l_type = F_WRLCK;
+  whole.l_whence = SEEK_SET;
+  const bool held = fcntl(descriptor, F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK;
+  ::close(descriptor);
+  return held;
 }
 
 WriterLock::WriterLock(WriterLock&& other) noexcept

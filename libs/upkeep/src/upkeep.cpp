@@ -20,7 +20,7 @@ Eigen::MatrixXd closenessOf(const map::TopologicalMap& map, std::span<const Plac
                             const Inliers& inliers) {
   const auto n = static_cast<Eigen::Index>(places.size());
   Eigen::MatrixXd c = Eigen::MatrixXd::Zero(n, n);
-  const auto features = [&](PlaceId id) { return static_cast<int>(map.place(id).memory.features.size()); };
+  const auto features = [&](PlaceId id) { return static_cast<int>(map.place(id).memory->features.size()); };
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < i; ++j) {
       const PlaceId a = places[static_cast<std::size_t>(i)], b = places[static_cast<std::size_t>(j)];

@@ -42,7 +42,7 @@ Snapshot Snapper::take(const types::Frame& frame, const types::FrameReport& repo
   s.report = report;
   s.state = state;
   s.map = sketch(map, report);
-  if (isThere(report.place, map)) s.memory = map.place(report.place).memory;
+  if (isThere(report.place, map)) s.memory = *map.place(report.place).memory;
   const base::PlaceId shown = report.place.valid() ? report.place : report.bestGuess;
   if (const auto* jpeg = thumbnailOf(shown, map)) s.matchedJpeg = *jpeg;
   return s;

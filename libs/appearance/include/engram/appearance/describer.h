@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,6 +35,8 @@ class Describer {
   virtual ~Describer() = default;
 
   virtual Eigen::Index dim() const = 0;
+  /// Signatures of describers of different names must not be compared. It changes with what they compute.
+  virtual std::uint32_t name() const = 0;
 
   /// @param picture 8 bit, 1 or 3 (BGR) channels: of the camera, or scaled down. Throws base::Error when it
   /// is empty.

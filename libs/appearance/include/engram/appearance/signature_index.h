@@ -15,6 +15,11 @@ class SignatureIndex {
   explicit SignatureIndex(Eigen::Index dim) : dim_(dim) {}
 
   std::size_t size() const { return size_; }
+  /// Room for so many places.
+  void reserve(std::size_t places);
+  Eigen::VectorXf signature(std::size_t place) const {
+    return rows_.row(static_cast<Eigen::Index>(place)).transpose();
+  }
   /// A place beyond the last one is added, and those between have no signature: they are like nothing.
   /// Throws std::invalid_argument for another dimension.
   void set(std::size_t place, const Eigen::VectorXf& signature);

@@ -3,6 +3,8 @@
 #pragma once
 
 #include "engram/base/ids.h"
+#include "engram/map/derived.h"
+#include "engram/map/on_demand.h"
 #include "engram/memory/place_memory.h"
 #include "engram/memory/redetections.h"
 #include "engram/types/features.h"
@@ -12,6 +14,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -65,7 +68,7 @@ struct JointErrors {
 struct Place {
   PlaceId id;
   Eigen::Isometry3d T_map_place = Eigen::Isometry3d::Identity();  ///< pose of the robot at the reference view
-  memory::PlaceMemory memory;
+  OnDemand<memory::PlaceMemory> memory;
   double createdStamp = 0;         ///< [s]
   std::uint64_t createdIndex = 0;  ///< Frame::index
   std::string createdLabel;
@@ -128,17 +131,21 @@ struct MapContent {
   std::vector<PathPoint> path;
   memory::Redetections redetections;                        ///< of the features of all places
   std::uint32_t nextPlace = 0, nextView = 0, nextEdge = 0;  ///< ids are never reused
+  std::shared_ptr<const Derived> derived;  ///< of the map as it was opened; null where nothing is kept
 };
 
 /// Broken rules of a place, an edge, … in words; empty when all is well. Ends and ids are checked by
-/// brokenRules().
+/// brokenRules(). Of a place whose memory was not read yet, the memory is not looked at.
 std::string brokenRule(const MapHeader& header);
+std::string brokenRule(const memory::PlaceMemory& memory);
+/// Whether it is of the descriptors that the header names.
+std::string brokenRule(const MapHeader& header, const memory::PlaceMemory& memory);
 std::string brokenRule(const Place& place);
 std::string brokenRule(const View& view);
 std::string brokenRule(const Edge& edge);
 std::string brokenRule(const PathPoint& point);
 
-/// Every broken rule of the whole map, one sentence each.
+/// Every broken rule of the whole map, as far as it was read, one sentence each.
 std::vector<std::string> brokenRules(const MapContent& content);
 
 /// Every place whose descriptors are not those of the header, one sentence each.

@@ -42,6 +42,10 @@ class Pipeline {
   /// whole graph is relaxed once more, as the recipe has it. Returns the places that have learnt.
   std::vector<base::PlaceId> finish();
 
+  /// What the next one to open the map would have to work out of it again: for MapFile::keep(). To be called
+  /// after finish().
+  std::vector<map::DerivedRow> derived();
+
   const map::TopologicalMap& map() const;
   /// Keeps the true pose of a place, for evaluation.
   void survey(base::PlaceId place, const Eigen::Isometry3d& T_world_place);

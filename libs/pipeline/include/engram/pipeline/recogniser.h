@@ -39,6 +39,8 @@ class Recogniser {
 
   /// Takes over a whole map; the belief becomes uniform.
   void load(const map::TopologicalMap& map);
+  /// What load() would have to work out of the map again, and does not lie beside it yet.
+  std::vector<map::DerivedRow> derived(const map::TopologicalMap& map);
   /// Takes over what has changed in a map since. recognise() does it too.
   void follow(const map::TopologicalMap& map);
 
@@ -91,6 +93,7 @@ class Recogniser {
     std::int64_t length = 0;  ///< of that [nm]: whole numbers add up to the same in any order
   };
 
+  int numberOf(const map::TopologicalMap& map, base::PlaceId place);
   void placeChanged(const map::TopologicalMap& map, const map::Place& place);
   void edgeChanged(const map::Edge& edge, std::set<int>& touched);
   void edgeRemoved(base::EdgeId id, std::set<int>& touched);

@@ -19,6 +19,14 @@ class Scorer {
  public:
   virtual ~Scorer() = default;
 
+  /// Takes over a whole map, whose places these are, by index. To be called before anything else, or never.
+  virtual void load(const map::TopologicalMap& map, std::span<const base::PlaceId> ids) {
+    for (std::size_t i = 0; i < ids.size(); ++i) placeChanged(i, map.place(ids[i]));
+    settled(map);
+  }
+  /// What is to be laid beside the map, so that load() finds it.
+  virtual std::vector<map::DerivedRow> changes() { return {}; }
+
   /// A place was added (its index is then the number of places so far), or its memory has changed.
   virtual void placeChanged(std::size_t index, const map::Place& place) = 0;
 

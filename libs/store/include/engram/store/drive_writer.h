@@ -10,6 +10,7 @@
 #include "engram/types/frame_report.h"
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,9 @@ class DriveWriter {
   bool replayed() const { return added_ <= recorded_.size(); }
   /// @param whole all images were there; otherwise the drive can be resumed
   void end(const map::TopologicalMap& map, bool whole);
+
+  /// What was worked out of the map lies beside it from now on. To be called after end().
+  void keep(std::span<const map::DerivedRow> rows);
 
   /// After begin(), or for a map that exists.
   MapFile& file() { return *file_; }

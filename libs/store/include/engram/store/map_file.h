@@ -5,6 +5,7 @@
 #include "engram/map/map_content.h"
 #include "engram/map/topological_map.h"
 #include "engram/store/drive.h"
+#include "engram/store/feature_counts.h"
 #include "engram/store/writer_lock.h"
 #include "engram/types/frame_report.h"
 
@@ -18,7 +19,7 @@
 namespace engram::store {
 
 /// Version of the file format that this program writes, and the newest that it reads.
-inline constexpr int kFormatVersion = 2;
+inline constexpr int kFormatVersion = 3;
 
 enum class Access { kReadOnly, kReadWrite };
 
@@ -46,6 +47,14 @@ class MapFile {
 
   /// Reads and checks everything.
   map::TopologicalMap load() const;
+  /// The same, but what places remember stays in the file until it is asked for, and is checked then; and
+  /// MapContent::derived reads what is kept beside the map. The map may outlive this object.
+  map::TopologicalMap loadOnDemand();
+  /// The same without the views.
+  map::TopologicalMap loadGraph();
+  /// A reader whose map is in the file still keeps others from writing it. To be called now and then: when a
+  /// program wants to write the map, this takes along what was not read yet, and lets go of the file.
+  void yieldToWriter();
 
   /// Writes what changed and the record of the image, or nothing at all if it throws.
   void commit(const map::TopologicalMap& map, const map::MapChanges& changes,
@@ -53,6 +62,10 @@ class MapFile {
   /// The same with the records of several images.
   void commit(const map::TopologicalMap& map, const map::MapChanges& changes,
               std::span<const types::FrameReport> reports);
+
+  /// Keeps rows beside the map, and with them how much its places remember. They are no part of it: dump()
+  /// does not show them.
+  void keep(std::span<const map::DerivedRow> rows);
 
   /// All runs that wrote into the map; none of a map of format 1 that was not written since.
   std::vector<Drive> drives() const;
@@ -69,6 +82,10 @@ class MapFile {
   /// Drops the records of all drives before the one that made this session's path.
   void forgetRecords(int firstKeptSession);
 
+  /// Read without the memories, but for those of which it is not kept beside the map.
+  FeatureCounts featureCounts() const;
+  std::uint64_t recordCount() const;
+  std::uint64_t viewCount() const;
   /// The records of all images, in the order of the commits.
   std::vector<types::FrameReport> records() const;
 

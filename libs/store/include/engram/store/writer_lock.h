@@ -17,6 +17,9 @@ class WriterLock {
   WriterLock& operator=(WriterLock&& other) noexcept;
   ~WriterLock();
 
+  /// Whether some program holds the lock of this map.
+  static bool isHeld(const std::string& mapPath);
+
   const std::string& mapPath() const { return mapPath_; }
 
  private:
