@@ -10,6 +10,7 @@
 #include "rows.h"
 #include "schema.h"
 #include "undo.h"
+#include "whole_rows.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -49,11 +50,13 @@ MapState stateOf(const map::MapContent& content, const MapState& before) {
 /// Writes and deletes rows, and keeps what they were for Undo.
 class RowWriter {
  public:
-  RowWriter(Database& database, Undo& undo, const RowTable& table)
+  RowWriter(Connection& database, Undo& undo, const RowTable& table)
       : database_(database),
         undo_(undo),
         table_(table),
-        put_(database, ("INSERT OR REPLACE INTO " + std::string(table.name) + " VALUES (?, ?)").c_str()) {}
+        put_(database, ("INSERT INTO " + std::string(table.name) +
+                        " VALUES ($1, $2) ON CONFLICT (id) DO UPDATE SET data = excluded.data")
+                           .c_str()) {}
 
   void put(std::uint64_t id, const Blob& row) {
     undo_.keep(database_, table_, id);
@@ -62,7 +65,7 @@ class RowWriter {
   template <class Ids>
   void remove(const Ids& ids) {
     if (ids.empty()) return;
-    Statement gone(database_, ("DELETE FROM " + std::string(table_.name) + " WHERE id = ?").c_str());
+    Statement gone(database_, ("DELETE FROM " + std::string(table_.name) + " WHERE id = $1").c_str());
     for (const auto id : ids) {
       undo_.keep(database_, table_, id.value);
       gone.bind(1, std::uint64_t{id.value}).run();
@@ -74,13 +77,13 @@ class RowWriter {
   }
 
  private:
-  Database& database_;
+  Connection& database_;
   Undo& undo_;
   RowTable table_;
   Statement put_;
 };
 
-void writeRows(Database& database, Undo& undo, const map::TopologicalMap& map,
+void writeRows(Connection& database, Undo& undo, const map::TopologicalMap& map,
                const map::MapChanges& changes) {
   const map::MapContent& content = map.content();
   RowWriter places(database, undo, kPlaceRows), memories(database, undo, kMemoryRows),
@@ -118,24 +121,26 @@ void requireFile(const std::string& path) {
 }  // namespace
 
 struct MapFile::Impl {
-  Impl(const std::string& path, Database::Mode mode)
-      : database(std::make_unique<Database>(path, mode)),
-        name(path),
-        writable(mode != Database::Mode::kReadOnly) {}
+  Impl(std::unique_ptr<Connection> connection, bool mayWrite)
+      : database(std::move(connection)), name(database->path()), writable(mayWrite) {}
 
-  Database& open() const {
+  Connection& open() const {
     if (!database) throw base::Error("map '" + name + "' is closed");
     return *database;
   }
+  /// Fills a new map, which holds nothing yet.
+  void make(const map::MapHeader& made);
+  /// Reads what the map says of itself.
+  void look();
   /// The first call makes the file ready to be written.
-  Database& openForWriting();
+  Connection& openForWriting();
   Drive& currentDrive() {
     if (!drive) throw std::logic_error("MapFile: no drive was begun");
     return *drive;
   }
 
   std::optional<WriterLock> lock;
-  std::unique_ptr<Database> database;  // after the lock: closed before that is given back
+  std::unique_ptr<Connection> database;  // after the lock: closed before that is given back
   std::string name;
   bool writable;
   bool ready = false;  ///< for writing
@@ -160,7 +165,7 @@ class MapFile::Edit {
   Edit(const Edit&) = delete;
   Edit& operator=(const Edit&) = delete;
 
-  Database& database() { return *impl_.database; }
+  Connection& database() { return *impl_.database; }
   void commit() {
     writeState(database(), next);
     if (drive) writeDrive(database(), *drive);
@@ -180,19 +185,38 @@ class MapFile::Edit {
   std::optional<Drive> drive;  ///< under way after this
 };
 
-Database& MapFile::Impl::openForWriting() {
+Connection& MapFile::Impl::openForWriting() {
   if (!writable) throw base::Error("map '" + name + "' was opened for reading only");
-  Database& opened = open();
+  Connection& opened = open();
   if (ready) return opened;
   opened.beginWriting();
   if (version < kFormatVersion) {
     Transaction transaction(opened);
-    upgradeSchema(opened, version);
+    opened.upgrade(version);
     transaction.commit();
     version = kFormatVersion;
   }
   ready = true;
   return opened;
+}
+
+void MapFile::Impl::make(const map::MapHeader& made) {
+  Transaction transaction(*database);
+  database->makeTables();
+  writeHeader(*database, made);
+  writeState(*database, state);
+  transaction.commit();
+  openForWriting();
+  header = made;
+}
+
+void MapFile::Impl::look() {
+  if (!writable) database->beginSnapshot();
+  version = database->formatVersion();
+  MapReader reader(*database);
+  header = reader.header();
+  state = reader.state();
+  if (writable) reader.requireLastRecord(state);
 }
 
 MapFile::MapFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -216,16 +240,10 @@ MapFile MapFile::create(WriterLock lock, const map::MapHeader& header, bool over
   const std::string path = lock.mapPath();
   requireCreatable(path);
   if (fs::exists(path)) removeOld(path, overwrite);
-  auto impl = std::make_unique<Impl>(path, Database::Mode::kCreate);
+  auto impl = std::make_unique<Impl>(std::make_unique<Database>(path, Database::Mode::kCreate), true);
   impl->lock = std::move(lock);
   // Without the log yet: a map that was cut off while it was made is an empty file, or whole.
-  Transaction transaction(*impl->database);
-  createSchema(*impl->database);
-  writeHeader(*impl->database, header);
-  writeState(*impl->database, impl->state);
-  transaction.commit();
-  impl->openForWriting();
-  impl->header = header;
+  impl->make(header);
   return MapFile(std::move(impl));
 }
 
@@ -239,15 +257,11 @@ MapFile MapFile::open(const std::string& path, Access access) {
     requireMap(look);
     lock.emplace(path);
   }
-  auto impl = std::make_unique<Impl>(path, write ? Database::Mode::kReadWrite : Database::Mode::kReadOnly);
+  auto impl = std::make_unique<Impl>(
+      std::make_unique<Database>(path, write ? Database::Mode::kReadWrite : Database::Mode::kReadOnly),
+      write);
   impl->lock = std::move(lock);
-  if (!write) impl->database->beginSnapshot();
-  impl->version = requireMap(*impl->database);
-  MapReader reader(*impl->database);
-  impl->header = reader.header();
-  impl->state = reader.state();
-  if (write) reader.requireLastRecord(impl->state);
-  if (write) reader.requireLastRecord(impl->state);
+  impl->look();
   return MapFile(std::move(impl));
 }
 
@@ -300,11 +314,11 @@ void MapFile::endDrive() {
     edit.commit();
   }
   impl_->drive.reset();
-  impl_->open().execute("PRAGMA incremental_vacuum");
+  impl_->open().giveBackSpace();
 }
 
 map::TopologicalMap MapFile::loadBeforeLastDrive() {
-  Database& database = impl_->openForWriting();
+  Connection& database = impl_->openForWriting();
   Transaction rolledBack(database);
   MapState base = Undo::takeBack(database);
   base.firstRecord = impl_->state.firstRecord;
@@ -329,10 +343,37 @@ void MapFile::forgetRecords(int firstKeptSession) {
                                  [&](const Drive& drive) { return drive.session >= firstKeptSession; });
   if (kept == all.end() || kept->firstRecord <= impl_->state.firstRecord) return;
   Edit edit(*impl_);
-  Statement(edit.database(), "DELETE FROM records WHERE id < ?").bind(1, kept->firstRecord).run();
+  Statement(edit.database(), "DELETE FROM records WHERE id < $1").bind(1, kept->firstRecord).run();
   edit.next.records = edit.next.nextRecord() - kept->firstRecord;
   edit.next.firstRecord = kept->firstRecord;
   edit.commit();
+}
+
+WholeMap MapFile::whole() const {
+  MapReader reader(impl_->open());
+  return {impl_->header,    reader.content(),         drives(),
+          reader.records(), impl_->state.firstRecord, readNotes(impl_->open())};
+}
+
+void MapFile::replace(const WholeMap& whole) {
+  std::vector<std::string> broken = map::brokenRules(whole.content);
+  if (broken.empty()) broken = map::brokenRules(whole.header, whole.content);
+  if (!broken.empty())
+    throw base::Error("map '" + impl_->name + "': it would not be sound: " + broken.front());
+  Edit edit(*impl_);
+  writeWhole(edit.database(), whole);
+  const MapState before = edit.next;
+  edit.next = stateOf(whole.content, before);
+  edit.next.nextPlace = std::max(before.nextPlace, edit.next.nextPlace);
+  edit.next.nextView = std::max(before.nextView, edit.next.nextView);
+  edit.next.nextEdge = std::max(before.nextEdge, edit.next.nextEdge);
+  edit.next.records = whole.records.size();
+  edit.next.firstRecord = whole.firstRecord;
+  edit.drive.reset();
+  edit.commit();
+  impl_->undo = {};
+  impl_->header = whole.header;
+  impl_->open().giveBackSpace();
 }
 
 std::vector<types::FrameReport> MapFile::records() const { return MapReader(impl_->open()).records(); }
@@ -340,9 +381,7 @@ std::vector<types::FrameReport> MapFile::records() const { return MapReader(impl
 std::vector<std::string> MapFile::check() const {
   std::vector<std::string> problems;
   try {
-    Statement integrity(impl_->open(), "PRAGMA integrity_check");
-    while (integrity.step())
-      if (integrity.text(0) != "ok") problems.push_back(integrity.text(0));
+    problems = impl_->open().integrity();
     MapReader reader(impl_->open(), &problems);
     reader.content();
     reader.records();
@@ -358,22 +397,13 @@ void MapFile::dump(std::ostream& out) const {
   store::dump(out, impl_->header, reader.content(), reader.records(), drives());
 }
 
-std::uint64_t MapFile::bytes() const {
-  std::uint64_t sum = 0;
-  for (const char* suffix : {"", "-wal"}) {
-    std::error_code error;
-    const auto size = fs::file_size(impl_->name + suffix, error);
-    if (!error) sum += size;
-  }
-  return sum;
-}
+std::uint64_t MapFile::bytes() const { return impl_->open().bytes(); }
 
 void MapFile::close() {
   if (!impl_->database) return;
   {
-    const std::unique_ptr<Database> database = std::move(impl_->database);
-    const bool logged = fs::exists(impl_->name + "-wal");  // another writer has left it
-    if (impl_->writable && (impl_->ready || logged)) database->foldLog();
+    const std::unique_ptr<Connection> database = std::move(impl_->database);
+    database->finish(impl_->ready);
   }
   impl_->lock.reset();
 }

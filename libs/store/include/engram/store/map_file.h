@@ -5,6 +5,7 @@
 #include "engram/map/map_content.h"
 #include "engram/map/topological_map.h"
 #include "engram/store/drive.h"
+#include "engram/store/whole_map.h"
 #include "engram/store/writer_lock.h"
 #include "engram/types/frame_report.h"
 
@@ -68,6 +69,12 @@ class MapFile {
 
   /// Drops the records of all drives before the one that made this session's path.
   void forgetRecords(int firstKeptSession);
+
+  /// All that the map holds.
+  WholeMap whole() const;
+  /// Makes the map hold this and nothing else, in one transaction. Numbers that were used stay used. A drive
+  /// that was cut off cannot be resumed afterwards. Throws base::Error when it breaks a rule of maps.
+  void replace(const WholeMap& whole);
 
   /// The records of all images, in the order of the commits.
   std::vector<types::FrameReport> records() const;
