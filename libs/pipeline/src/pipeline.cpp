@@ -6,6 +6,8 @@
 #include "make_steps.h"
 #include "steps.h"
 
+#include <utility>
+
 namespace engram::pipeline {
 namespace {
 
@@ -93,6 +95,10 @@ std::vector<base::PlaceId> Pipeline::finish() {
 }
 
 const map::TopologicalMap& Pipeline::map() const { return run_->map; }
+
+void Pipeline::keepApart(std::vector<std::pair<base::PlaceId, base::PlaceId>> places) {
+  run_->apart = std::move(places);
+}
 
 void Pipeline::survey(base::PlaceId place, const Eigen::Isometry3d& T_world_place) {
   run_->map.survey(place, T_world_place);

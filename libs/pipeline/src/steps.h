@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace engram::pipeline {
@@ -29,6 +30,7 @@ struct Run {
   Whereabouts robot;
   int session = 0;
   WayScale scale{};  ///< of the map, by this drive
+  std::vector<std::pair<base::PlaceId, base::PlaceId>> apart{};  ///< see Pipeline::keepApart()
 
   /// Whether passages of the map join two places.
   bool joined(base::PlaceId a, base::PlaceId b) {

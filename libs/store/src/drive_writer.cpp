@@ -4,6 +4,7 @@
 
 #include "engram/base/error.h"
 #include "engram/store/report_json.h"
+#include "server.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -21,7 +22,7 @@ constexpr std::size_t kMostHeld = 4096;
 /// Whether there is a map: its making may have been cut off before it held anything.
 bool hasMap(const std::string& path) {
   std::error_code error;
-  return fs::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path, error) == 0);
+  return MapFile::exists(path) && !(fs::is_regular_file(path) && fs::file_size(path, error) == 0);
 }
 
 std::vector<types::FrameReport> recordsOf(const Drive& drive, std::vector<types::FrameReport> all) {
@@ -35,7 +36,7 @@ std::vector<types::FrameReport> recordsOf(const Drive& drive, std::vector<types:
 DriveWriter::DriveWriter(const std::string& path, const DriveOptions& options, std::string source,
                          const types::Frame* first)
     : path_(path), source_(std::move(source)), options_(options) {
-  const bool exists = options.resume ? hasMap(path) : fs::exists(path);
+  const bool exists = options.resume ? hasMap(path) : MapFile::exists(path);
   if (exists && (options.extend || options.resume)) {
     openExisting(first);
     return;
@@ -46,7 +47,7 @@ DriveWriter::DriveWriter(const std::string& path, const DriveOptions& options, s
                       " exists; give --overwrite to replace it, --extend to go on with it, or --resume "
                       "to finish a drive that was cut off");
   options_.overwrite |= options.resume;  // of what its making left
-  lock_.emplace(path);
+  if (!isOnServer(path)) lock_.emplace(path);
 }
 
 void DriveWriter::openExisting(const types::Frame* first) {
@@ -109,7 +110,9 @@ void DriveWriter::commit(const map::TopologicalMap& map, const types::FrameRepor
   held_.push_back(report);
   const bool use = report.outcome != types::Outcome::kUnusable && report.outcome != types::Outcome::kSkipped;
   if (!use && held_.size() < kMostHeld) return;
-  if (!file_) file_ = MapFile::create(std::move(*lock_), newHeader_, options_.overwrite);
+  if (!file_)
+    file_ = lock_ ? MapFile::create(std::move(*lock_), newHeader_, options_.overwrite)
+                  : MapFile::create(path_, newHeader_, options_.overwrite);
   file_->beginDrive(*next_);
   next_.reset();
   file_->commit(map, map.changesSince(stored_), std::exchange(held_, {}));

@@ -9,6 +9,7 @@
 #include "map_reader.h"
 #include "rows.h"
 #include "schema.h"
+#include "server.h"
 #include "undo.h"
 #include "whole_rows.h"
 
@@ -144,6 +145,7 @@ struct MapFile::Impl {
   std::string name;
   bool writable;
   bool ready = false;  ///< for writing
+  std::uint64_t closedBytes = 0;
   int version = kFormatVersion;
   map::MapHeader header;
   MapState state;
@@ -232,6 +234,12 @@ MapFile::~MapFile() {
 }
 
 MapFile MapFile::create(const std::string& path, const map::MapHeader& header, bool overwrite) {
+  if (isOnServer(path)) {
+    const ServerMode mode = overwrite ? ServerMode::kReplace : ServerMode::kCreate;
+    auto impl = std::make_unique<Impl>(connectToServer(path, mode), true);
+    impl->make(header);
+    return MapFile(std::move(impl));
+  }
   requireCreatable(path);
   return create(WriterLock(path), header, overwrite);
 }
@@ -248,8 +256,14 @@ MapFile MapFile::create(WriterLock lock, const map::MapHeader& header, bool over
 }
 
 MapFile MapFile::open(const std::string& path, Access access) {
-  requireFile(path);
   const bool write = access == Access::kReadWrite;
+  if (isOnServer(path)) {
+    const ServerMode mode = write ? ServerMode::kReadWrite : ServerMode::kReadOnly;
+    auto impl = std::make_unique<Impl>(connectToServer(path, mode), write);
+    impl->look();
+    return MapFile(std::move(impl));
+  }
+  requireFile(path);
   std::optional<WriterLock> lock;
   if (write) {
     // Looked at before it is opened for writing: a file that is not ours is not touched.
@@ -349,10 +363,14 @@ void MapFile::forgetRecords(int firstKeptSession) {
   edit.commit();
 }
 
+std::map<std::string, std::string> MapFile::notes() const { return readNotes(impl_->open()); }
+
 WholeMap MapFile::whole() const {
-  MapReader reader(impl_->open());
-  return {impl_->header,    reader.content(),         drives(),
-          reader.records(), impl_->state.firstRecord, readNotes(impl_->open())};
+  Connection& database = impl_->open();
+  MapReader reader(database);
+  return {
+      impl_->header,    reader.content(),         impl_->version < 2 ? drivesFromRecords(database) : drives(),
+      reader.records(), impl_->state.firstRecord, readNotes(impl_->open())};
 }
 
 void MapFile::replace(const WholeMap& whole) {
@@ -397,13 +415,21 @@ void MapFile::dump(std::ostream& out) const {
   store::dump(out, impl_->header, reader.content(), reader.records(), drives());
 }
 
-std::uint64_t MapFile::bytes() const { return impl_->open().bytes(); }
+std::uint64_t MapFile::bytes() const {
+  return impl_->database ? impl_->database->bytes() : impl_->closedBytes;
+}
+
+bool MapFile::exists(const std::string& path) {
+  std::error_code none;
+  return isOnServer(path) ? existsOnServer(path) : fs::exists(path, none);
+}
 
 void MapFile::close() {
   if (!impl_->database) return;
   {
     const std::unique_ptr<Connection> database = std::move(impl_->database);
     database->finish(impl_->ready);
+    impl_->closedBytes = database->bytes();
   }
   impl_->lock.reset();
 }

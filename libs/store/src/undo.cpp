@@ -12,7 +12,7 @@ namespace {
 
 constexpr RowTable kAllRows[] = {kPlaceRows, kMemoryRows, kViewRows, kEdgeRows, kPathRows};
 
-const std::string kKept = "INSERT INTO undo SELECT CAST($1 AS INTEGER), id, data FROM ";
+const std::string kKept = "INSERT INTO undo SELECT CAST($1 AS BIGINT), id, data FROM ";
 
 std::uint64_t number(RowKind kind) { return static_cast<std::uint64_t>(kind); }
 

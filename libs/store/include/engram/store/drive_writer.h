@@ -69,7 +69,7 @@ class DriveWriter {
 
   std::string path_, source_;
   DriveOptions options_;
-  std::optional<WriterLock> lock_;  // until there is a file that holds it
+  std::optional<WriterLock> lock_;  // until there is a file that holds it; of a file alone
   std::optional<MapFile> file_;
   map::Cursor stored_;  // changes up to here are in the file
   map::MapHeader newHeader_;
