@@ -190,6 +190,16 @@ TEST(Merge, TwoBuildingsAreKeptApart) {
   EXPECT_FALSE(alike.joined);
   EXPECT_THAT(alike.reason, HasSubstr("agree"));
   EXPECT_TRUE(diff(a, first()).same());
+  // One of the same plan: a part of it looks the same, at the same spots.
+  store::WholeMap twin = first();
+  for (auto& [id, place] : twin.content.places)
+    if (id.value % 5 != 0) place.memory = engram::testing::randomMemory(rng, 200, 1);
+  for (auto& [id, edge] : twin.content.edges) edge.correspondences.clear();
+  twin.drives[0].fingerprint = 79;
+  const Merged plan = merge(a, twin, "a", "b");
+  EXPECT_FALSE(plan.joined);
+  EXPECT_GE(plan.agreeing, 3u);
+  EXPECT_THAT(plan.reason, HasSubstr("one plan"));
   // One whose places show nothing that is known here.
   store::WholeMap strange = first();
   for (auto& [id, place] : strange.content.places) place.memory = engram::testing::randomMemory(rng, 200, 1);

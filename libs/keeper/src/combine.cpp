@@ -14,7 +14,7 @@ namespace engram::keeper {
 namespace {
 
 bool sameDrive(const store::Drive& x, const store::Drive& y) {
-  return x.fingerprint == y.fingerprint && x.firstStamp == y.firstStamp && x.session == y.session;
+  return x.fingerprint == y.fingerprint && x.firstStamp == y.firstStamp && x.source == y.source;
 }
 
 bool samePlace(const map::Place& x, const map::Place& y) {
@@ -62,7 +62,9 @@ class Combiner {
         throw base::Error("the maps have used up their numbers: no map can hold both");
   }
   int sessionOf(int session) const {
-    return session < 0 || past_.sessions.contains(session) ? session : session + numbers_.session;
+    const auto shared = past_.sessions.find(session);
+    if (shared != past_.sessions.end()) return shared->second;
+    return session < 0 ? session : session + numbers_.session;
   }
   /// What was made before the maps parted, and a has too.
   template <class Items, class Id>
@@ -182,7 +184,7 @@ CommonPast commonPast(const store::WholeMap& a, const store::WholeMap& b) {
     for (const store::Drive& ours : a.drives)
       if (sameDrive(ours, theirs)) {
         past.drives.insert(theirs.id);
-        if (theirs.session >= 0) past.sessions.insert(theirs.session);
+        if (theirs.session >= 0 && ours.session >= 0) past.sessions[theirs.session] = ours.session;
       }
   for (const auto& [id, theirs] : b.content.places) {
     const auto ours = a.content.places.find(id);

@@ -12,8 +12,8 @@ namespace engram::keeper {
 /// What two maps share because one was copied and both went on.
 struct CommonPast {
   std::set<std::uint32_t> drives;  ///< numbers in b
-  std::set<int> sessions;
-  std::set<map::PlaceId> places;  ///< with the same number in both
+  std::map<int, int> sessions;     ///< of their paths: number in b, number in a
+  std::set<map::PlaceId> places;   ///< with the same number in both
 };
 CommonPast commonPast(const store::WholeMap& a, const store::WholeMap& b);
 

@@ -128,4 +128,22 @@ std::vector<Joint> agreeing(std::vector<Joint> joints, const map::MapContent& a,
   return joints;
 }
 
+std::size_t besidePlaces(const std::vector<Joint>& joints, const map::MapContent& a, const map::MapContent& b,
+                         double beside) {
+  std::size_t count = 0;
+  for (const auto& [id, place] : b.places) {
+    const Eigen::Vector3d here = place.T_map_place.translation();
+    const auto away = [&](const Joint& j) {
+      return (b.places.at(j.b).T_map_place.translation() - here).squaredNorm();
+    };
+    const Joint& nearest = *std::min_element(
+        joints.begin(), joints.end(), [&](const Joint& x, const Joint& y) { return away(x) < away(y); });
+    const Eigen::Vector3d inA = nearest.T_maps * here;
+    count += std::any_of(a.places.begin(), a.places.end(), [&](const auto& item) {
+      return (item.second.T_map_place.translation() - inA).norm() <= beside;
+    });
+  }
+  return count;
+}
+
 }  // namespace engram::keeper

@@ -28,4 +28,9 @@ std::vector<Joint> recognised(const map::MapContent& a, const map::MapContent& b
 /// allows; the one that most agree with first.
 std::vector<Joint> agreeing(std::vector<Joint> joints, const map::MapContent& a, const PlacePairs& pairs);
 
+/// How many places of b would lie within `beside` [m] of a place of a, each where the joint nearest to it in
+/// b puts it. @param joints not empty
+std::size_t besidePlaces(const std::vector<Joint>& joints, const map::MapContent& a, const map::MapContent& b,
+                         double beside);
+
 }  // namespace engram::keeper

@@ -20,6 +20,9 @@ namespace engram::keeper {
 namespace {
 
 constexpr std::size_t kLeastAgreeing = 3;  // places that must say the same of where a map lies
+/// Share of the places of one map that lie beside places of the other which must be recognised. Simulated
+/// offices of one plan with other rooms have 0.2, two robots months apart in one office 1.
+constexpr double kLeastRecognised = 1.0 / 3;
 
 bool joinsGround(const map::Edge& edge) {
   return edge.type == map::EdgeType::kLoop || edge.type == map::EdgeType::kRecognition;
@@ -36,7 +39,7 @@ Merged apart(Merged merged, const std::string& reason) {
 }
 
 /// Where enough places agree on, or the reason why not.
-std::string whyApart(std::size_t verified, std::size_t agreeing, std::size_t places) {
+std::string whyApart(std::size_t verified, std::size_t agreeing, std::size_t places, std::size_t beside) {
   const std::size_t least = std::min(kLeastAgreeing, places);
   if (verified == 0) return "no place of the second map is recognised in the first";
   if (agreeing < least)
@@ -45,6 +48,9 @@ std::string whyApart(std::size_t verified, std::size_t agreeing, std::size_t pla
   if (2 * agreeing <= verified)
     return "of " + std::to_string(verified) + " recognised places only " + std::to_string(agreeing) +
            " agree on where the second map lies: they may be two buildings that look alike";
+  if (static_cast<double>(agreeing) < kLeastRecognised * static_cast<double>(beside))
+    return "of " + std::to_string(beside) + " places that would lie beside places of the first map only " +
+           std::to_string(agreeing) + " are recognised there: they may be two buildings of one plan";
   return "";
 }
 
@@ -171,8 +177,10 @@ class Merge {
     merged.verified = joints.size();
     joints = agreeing(std::move(joints), a_.content, pairs_);
     merged.agreeing = joints.size();
-    if (past_.places.empty())
-      merged.reason = whyApart(merged.verified, merged.agreeing, b_.content.places.size());
+    if (!past_.places.empty()) return joints;
+    const std::size_t beside =
+        joints.empty() ? 0 : besidePlaces(joints, a_.content, b_.content, params_.place.spacing);
+    merged.reason = whyApart(merged.verified, merged.agreeing, b_.content.places.size(), beside);
     return joints;
   }
 

@@ -29,7 +29,7 @@ struct Run {
   ClosureBook closures;
   Whereabouts robot;
   int session = 0;
-  WayScale scale{};  ///< of the map, by this drive
+  WayScale scale{};                                              ///< of the map, by this drive
   std::vector<std::pair<base::PlaceId, base::PlaceId>> apart{};  ///< see Pipeline::keepApart()
 
   /// Whether passages of the map join two places.

@@ -27,7 +27,8 @@ struct Merged {
 ///
 /// Each place of b is recognised in a by what it remembers: evidence proposes, geometry decides as for a
 /// loop closure, and a rival elsewhere in a refuses it. At least three places must agree on where b lies, and
-/// more than half of all that were verified; then the tests of closures judge each joint over both graphs
+/// more than half of all that were verified, and a third of
+/// those that would then lie beside places of a; then the tests of closures judge each joint over both graphs
 /// together. Places that then lie within half a spacing, recognise each other and are the nearest to each
 /// other become one: see memory::unite(). The whole graph is relaxed. When the maps are not joined, `a` stays
 /// as it was.
