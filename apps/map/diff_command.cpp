@@ -37,7 +37,7 @@ void printNumbers(std::ostream& out, const char* what, const std::vector<std::ui
   out << '\n';
 }
 
-void print(std::ostream& out, const keeper::Difference& d, bool all) {
+void printDifference(std::ostream& out, const keeper::Difference& d, bool all) {
   out << "                 equal  changed  only A  only B\n";
   for (const keeper::KindDifference& k : d.kinds) {
     char line[120];
@@ -68,7 +68,7 @@ int DiffCommand::run(std::ostream& out) {
   const keeper::Difference d = keeper::diff(wholeOf(a_), wholeOf(b_));
   writeJson(json_, jsonOf(d));
   if (!quiet_ && d.same()) out << "the maps are equal\n";
-  if (!quiet_ && !d.same()) print(out, d, all_);
+  if (!quiet_ && !d.same()) printDifference(out, d, all_);
   return d.same() ? kOk : kPartial;
 }
 

@@ -23,6 +23,7 @@ class PostgresServer {
     started_ = start() && run("createdb -h " + folder_ + " -U postgres fleet");
   }
   ~PostgresServer() {
+    if (replica_) run("pg_ctl -D " + folder_ + "/replica -m immediate stop");
     if (started_) run("pg_ctl -D " + data() + " -m immediate stop");
     std::error_code ignored;
     if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
@@ -36,6 +37,16 @@ class PostgresServer {
     return run("pg_ctl -w -D " + data() + " -l " + folder_ + "/log -o \"-k " + folder_ +
                " -c listen_addresses='' -c fsync=off\" start");
   }
+  /// A second server that follows this one, at the same socket with another port.
+  bool startReplica() {
+    replica_ = run("pg_basebackup -h " + folder_ + " -U postgres -R -c fast -D " + folder_ + "/replica") &&
+               run("pg_ctl -w -D " + folder_ + "/replica -l " + folder_ + "/replica.log -o \"-p 5433 -k " +
+                   folder_ + " -c listen_addresses='' -c fsync=off\" start");
+    return replica_;
+  }
+  /// The replica becomes a primary.
+  bool promote() { return run("pg_ctl -w -D " + folder_ + "/replica promote"); }
+  std::string replicaOf(const std::string& map) const { return map + "&port=5433"; }
   bool stop() { return run("pg_ctl -w -D " + data() + " -m immediate stop"); }
   bool sql(const std::string& statement) {
     return run("psql -q -v ON_ERROR_STOP=1 -h " + folder_ + " -U postgres -d fleet -c \"" + statement + "\"");
@@ -66,7 +77,7 @@ class PostgresServer {
   }
 
   std::string folder_;
-  bool started_ = false;
+  bool started_ = false, replica_ = false;
 };
 
 }  // namespace engram::testing

@@ -196,6 +196,39 @@ TEST_F(ServerTest, NewerFormatsAreRefused) {
   EXPECT_THAT(messageOf([&] { MapFile::open(address(), Access::kReadOnly); }), HasSubstr("has format 99"));
 }
 
+TEST_F(ServerTest, AReplicaReadsAndTakesOver) {
+  write(address());
+  ASSERT_TRUE(server_->startReplica());
+  const std::string replica = server_->replicaOf(address());
+  EXPECT_EQ(dumpOf(replica), dumpOf(address()));
+  const auto move = [](const std::string& map) {
+    MapFile file = MapFile::open(map, Access::kReadWrite);
+    map::TopologicalMap content = file.load();
+    map::Cursor cursor = content.now();
+    content.setPose(map::PlaceId(1), engram::testing::planarPose(6, 6, 0));
+    file.commit(content, content.changesSince(cursor));
+  };
+  EXPECT_THAT(messageOf([&] { move(replica); }), HasSubstr("write to its primary"));
+  move(address());
+  const std::string before = dumpOf(address());
+  for (int i = 0; i < 1000 && dumpOf(replica) != before; ++i) ::usleep(5000);  // it may be behind
+  ASSERT_TRUE(server_->stop());
+  ASSERT_TRUE(server_->promote());
+  EXPECT_EQ(dumpOf(replica), before);
+  move(replica);
+  EXPECT_THAT(MapFile::open(replica, Access::kReadOnly).check(), IsEmpty());
+  ASSERT_TRUE(server_->start());  // for the tests that follow
+}
+
+TEST_F(ServerTest, ACopyIsOfOneMomentWhileAnotherWrites) {
+  write(address());
+  const std::string before = dumpOf(address());
+  MapFile writer = MapFile::open(address(), Access::kReadWrite);
+  copyMap(address(), path("copy"));
+  EXPECT_EQ(dumpOf(path("copy")), before);
+  EXPECT_THAT(messageOf([&] { copyMap(path("copy"), address(), true); }), HasSubstr("is being written by"));
+}
+
 TEST(ServerAddress, WhatIsWrongIsSaid) {
   const auto message = [](const std::string& map) {
     return messageOf([&] { MapFile::open(map, Access::kReadOnly); });

@@ -41,7 +41,7 @@ int portOf(const std::string& target, const std::string& text) {
   return port;
 }
 
-BrokerAddress addressOf(const std::string& target) {
+BrokerAddress brokerOf(const std::string& target) {
   BrokerAddress a;
   a.tls = target.starts_with("mqtts://");
   if (a.tls) a.port = 8883;
@@ -84,7 +84,7 @@ bool isMqtt(const std::string& target) {
 class MqttStream::Impl {
  public:
   Impl(const std::string& target, const std::string& hello)
-      : target_(target), address_(addressOf(target)), hello_(nlohmann::ordered_json::parse(hello)) {
+      : target_(target), address_(brokerOf(target)), hello_(nlohmann::ordered_json::parse(hello)) {
     startLibrary();
     client_.reset(mosquitto_new(nullptr, true, this));
     if (!client_) failMqtt(target, std::strerror(errno));

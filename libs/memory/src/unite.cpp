@@ -50,8 +50,8 @@ FeatureState bothStored(const FeatureState& a, const FeatureState& b, const Mult
   return s;
 }
 
-United joined(const PlaceMemory& a, const PlaceMemory& b, std::span<const types::Match> matches,
-              const Law& law) {
+United joinedBy(const PlaceMemory& a, const PlaceMemory& b, std::span<const types::Match> matches,
+                const Law& law) {
   United u{a, {}, {}};
   u.memory.updates = a.updates + b.updates;
   for (const types::Match& m : matches) {
@@ -79,13 +79,13 @@ void dropGone(United& u) {
     std::erase_if(*ids, [&](const auto& item) { return !kept.contains(item.second); });
 }
 
-United one(const PlaceMemory& memory, bool isB) {
+United alone(const PlaceMemory& memory, bool isB) {
   United u{memory, {}, {}};
   for (const FeatureState& state : memory.states) (isB ? u.idOfB : u.idOfA)[state.id] = state.id;
   return u;
 }
 
-void add(Redetections::Count& to, const Redetections::Count& from) {
+void addCounts(Redetections::Count& to, const Redetections::Count& from) {
   to.trials += from.trials;
   to.hits += from.hits;
 }
@@ -95,13 +95,13 @@ void add(Redetections::Count& to, const Redetections::Count& from) {
 United unite(const PlaceMemory& a, const PlaceMemory& b, std::span<const types::Match> matches,
              const MemoryParams& params, const FshParams& fsh, const MultiStoreParams& multiStore) {
   checkUpdate(a, b.features, matches);
-  if (params.memory == "static") return one(a, false);
-  if (params.memory == "replace") return one(b, true);
+  if (params.memory == "static") return alone(a, false);
+  if (params.memory == "replace") return alone(b, true);
   if (params.memory == "multi_store")
-    return joined(a, b, matches,
-                  {[&](const auto& x, const auto& y) { return bothStored(x, y, multiStore); },
-                   multiStore.duplicate_distance});
-  United u = joined(a, b, matches, {bothVoted, fsh.duplicate_distance});
+    return joinedBy(a, b, matches,
+                    {[&](const auto& x, const auto& y) { return bothStored(x, y, multiStore); },
+                     multiStore.duplicate_distance});
+  United u = joinedBy(a, b, matches, {bothVoted, fsh.duplicate_distance});
   types::MemoryChange change;
   settle(u.memory, fsh, change);
   dropGone(u);
@@ -111,8 +111,8 @@ United unite(const PlaceMemory& a, const PlaceMemory& b, std::span<const types::
 Redetections sum(const Redetections& a, const Redetections& b) {
   Redetections s = a;
   s.views += b.views;
-  for (std::size_t i = 0; i < s.byValue.size(); ++i) add(s.byValue[i], b.byValue[i]);
-  for (std::size_t i = 0; i < s.byAge.size(); ++i) add(s.byAge[i], b.byAge[i]);
+  for (std::size_t i = 0; i < s.byValue.size(); ++i) addCounts(s.byValue[i], b.byValue[i]);
+  for (std::size_t i = 0; i < s.byAge.size(); ++i) addCounts(s.byAge[i], b.byAge[i]);
   return s;
 }
 

@@ -16,7 +16,7 @@ constexpr std::size_t kLongestName = 48;  // PostgreSQL cuts names after 63 byte
   throw base::Error("'" + map + "': " + why);
 }
 
-std::string schemaOf(const std::string& map, const std::string& name) {
+std::string schemaNamed(const std::string& map, const std::string& name) {
   const auto isPlain = [](unsigned char c) { return std::islower(c) || std::isdigit(c) || c == '_'; };
   if (name.empty() || name.size() > kLongestName || !std::all_of(name.begin(), name.end(), isPlain))
     refuseAddress(map, "a map on a server has a name of lower-case letters, digits and _: ?map=building_2");
@@ -49,7 +49,7 @@ ServerAddress parseAddress(const std::string& map) {
     const std::string pair = map.substr(at + 1, end - at - 1);
     if (pair.starts_with("password=")) refusePassword("user:password@");
     if (pair.starts_with("map=")) {
-      address.schema = schemaOf(map, pair.substr(4));
+      address.schema = schemaNamed(map, pair.substr(4));
     } else if (!pair.empty()) {
       address.uri += separator + pair;
       separator = '&';
