@@ -199,7 +199,10 @@ int MapProgram::check(std::ostream& out) const {
   const std::string name = base::forTerminal(map_), missing = store::missingLog(map_);
   if (!missing.empty()) out << name << ": " << base::forTerminal(missing) << '\n';
   if (!problems.empty()) {
-    if (!quiet_) out << "Save what can be read of it with: engram-map recover " << name << " NEW.engram\n";
+    const bool onServer = map_.find("://") != std::string::npos;
+    if (!quiet_ && onServer) out << "Bring it back from a backup of the server\n";
+    if (!quiet_ && !onServer)
+      out << "Save what can be read of it with: engram-map recover " << name << " NEW.engram\n";
     return kError;
   }
   if (!quiet_) out << name << ": sound" << (missing.empty() ? "" : " as far as it goes") << '\n';

@@ -109,6 +109,7 @@ class Server : public Connection {
       work_ = std::make_unique<pqxx::nontransaction>(*connection_);
       work_->exec("SET search_path TO \"" + address_.schema + "\"");
       if (mode_ != ServerMode::kReadOnly) lock();
+      process_ = connection_->backendpid();
     });
     const bool there = exists();
     if (mode_ == ServerMode::kCreate && there)
@@ -133,7 +134,14 @@ class Server : public Connection {
         map_, [&] { return work_->exec_prepared(name, pqxx::prepare::make_dynamic_params(parameters)); });
   }
 
-  void begin() override { execute("BEGIN"); }
+  /// A connection that libpqxx has brought back by itself has lost the lock.
+  void begin() override {
+    execute("BEGIN");
+    if (connection_->backendpid() == process_) return;
+    rollBack();
+    throw base::Error("map '" + map_ +
+                      "': the connection to the server was cut. --resume goes on with the drive");
+  }
   void commit() override { execute("COMMIT"); }
   void rollBack() noexcept override {
     try {
@@ -233,6 +241,7 @@ class Server : public Connection {
   std::unique_ptr<pqxx::connection> connection_;
   std::unique_ptr<pqxx::nontransaction> work_;   // after the connection: it goes first
   std::map<std::string, std::string> prepared_;  // names by their SQL
+  int process_ = 0;                              // of the server, for this connection
   std::uint64_t closedBytes_ = 0;
 };
 
