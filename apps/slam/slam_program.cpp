@@ -131,6 +131,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   figures.use().requireSome();
   mapper.finish();
   drive.end(mapper.map(), input_.exitCode() == kOk);
+  notice_ = drive.notice();
   return conclude(drive.file(), mapper, figures, truth ? &*truth : nullptr, out, err);
 }
 
@@ -178,7 +179,8 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::Pipeline& mapper
   if (base::interrupted()) err << name() << ": interrupted; the map holds every image up to here\n";
   say(figures.use().complaint(), err);
   say(pipeline::describe(mapper.wheels()), err);
-  const bool sound = figures.use().complaint().empty() && !eyes_.faulty() &&
+  say(notice_, err);
+  const bool sound = notice_.empty() && figures.use().complaint().empty() && !eyes_.faulty() &&
                      !pipeline::isGrave(mapper.wheels()) && !stream_.failed();
   return sound ? input_.exitCode() : kPartial;
 }

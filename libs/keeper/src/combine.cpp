@@ -22,6 +22,10 @@ bool samePlace(const map::Place& x, const map::Place& y) {
          x.createdLabel == y.createdLabel && x.session == y.session;
 }
 
+bool sameView(const map::View& x, const map::View& y) {
+  return x.place == y.place && x.stamp == y.stamp && x.frameIndex == y.frameIndex && x.session == y.session;
+}
+
 /// Writes b behind a, kind by kind.
 class Combiner {
  public:
@@ -66,11 +70,6 @@ class Combiner {
     if (shared != past_.sessions.end()) return shared->second;
     return session < 0 ? session : session + numbers_.session;
   }
-  /// What was made before the maps parted, and a has too.
-  template <class Items, class Id>
-  bool isCommon(const Items& items, Id id, map::PlaceId at) const {
-    return past_.places.contains(at) && items.contains(id);
-  }
 
   void addPlaces() {
     for (const auto& [id, theirs] : b_.content.places) {
@@ -89,7 +88,10 @@ class Combiner {
   }
   void addViews() {
     for (const auto& [id, theirs] : b_.content.views) {
-      if (isCommon(a_.content.views, id, theirs.place) && past_.sessions.contains(theirs.session)) continue;
+      const auto ours = a_.content.views.find(id);
+      if (ours != a_.content.views.end() && past_.places.contains(theirs.place) &&
+          sameView(ours->second, theirs))
+        continue;
       map::View view = theirs;
       view.id = map::ViewId(id.value + numbers_.view);
       view.place = numbers_.of(theirs.place);
@@ -123,8 +125,12 @@ class Combiner {
       });
   }
   void addPath() {
+    // A drive that both know may have gone on in b.
+    std::set<std::pair<int, double>> known;
+    for (const map::PathPoint& point : a_.content.path) known.emplace(point.session, point.stamp);
     for (map::PathPoint point : b_.content.path) {
-      if (past_.sessions.contains(point.session)) continue;
+      if (past_.sessions.contains(point.session) && known.contains({sessionOf(point.session), point.stamp}))
+        continue;
       point.session = sessionOf(point.session);
       point.anchor = numbers_.of(point.anchor);
       a_.content.path.push_back(point);

@@ -50,12 +50,14 @@ auto guarded(const std::string& map, F&& f) {
   try {
     return f();
   } catch (const pqxx::sql_error& e) {
+    if (std::string(e.what()).find("terminating connection") != std::string::npos)
+      throw ServerAway("map '" + map + "': " + explained(e));
     throw base::Error("map '" + map + "': " + explained(e));
   } catch (const pqxx::broken_connection& e) {
     std::string what = e.what();
     while (!what.empty() && what.back() == '\n') what.pop_back();
-    throw base::Error("map '" + map + "': the server cannot be reached: " + what +
-                      ". What was committed is safe; --resume goes on with a drive that was cut off");
+    throw ServerAway("map '" + map + "': the server cannot be reached: " + what +
+                     ". What was committed is safe; --resume goes on with a drive that was cut off");
   } catch (const pqxx::failure& e) {
     throw base::Error("map '" + map + "': " + e.what());
   }
@@ -139,8 +141,8 @@ class Server : public Connection {
     execute("BEGIN");
     if (connection_->backendpid() == process_) return;
     rollBack();
-    throw base::Error("map '" + map_ +
-                      "': the connection to the server was cut. --resume goes on with the drive");
+    throw ServerAway("map '" + map_ +
+                     "': the connection to the server was cut. --resume goes on with the drive");
   }
   void commit() override { execute("COMMIT"); }
   void rollBack() noexcept override {

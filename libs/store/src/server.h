@@ -3,6 +3,7 @@
 #pragma once
 
 #include "connection.h"
+#include "engram/base/error.h"
 
 #include <memory>
 #include <string>
@@ -28,6 +29,13 @@ enum class ServerMode { kCreate, kReplace, kReadWrite, kReadOnly };
 /// Throws base::Error, with what to do, when the server cannot be reached, the role may not, the map is not
 /// there (or is), or another program writes it.
 std::unique_ptr<Connection> connectToServer(const std::string& map, ServerMode mode);
+
+/// The server cannot be reached, or not any more: what was being committed is not there, or was as the
+/// connection broke.
+class ServerAway : public base::Error {
+ public:
+  using Error::Error;
+};
 
 /// Whether there is such a map.
 bool existsOnServer(const std::string& map);
