@@ -9,7 +9,7 @@ set -euo pipefail
 cd "$(dirname "$0")"
 source scripts/setup.sh
 
-engram_install_packages
+engram_install_packages "${ENGRAM_TEST_PACKAGES[@]}"
 engram_build "${ENGRAM_PRESET:-release}"
 ctest --preset "${ENGRAM_PRESET:-release}" -j "$(nproc)" "$@"
 

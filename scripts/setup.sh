@@ -7,12 +7,16 @@ ENGRAM_PACKAGES=(
   build-essential cmake ninja-build ccache pkg-config git
   libmrpt-dev mrpt-common libopencv-dev libeigen3-dev libceres-dev libsqlite3-dev zlib1g-dev libdeflate-dev libjpeg-dev
   libcli11-dev nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev
+  libpqxx-dev libmosquitto-dev
   libaravis-dev libusb-1.0-0-dev aravis-tools libglfw3-dev xvfb help2man
 )
+# Servers that tests start for themselves; the demonstration needs none.
+ENGRAM_TEST_PACKAGES=(postgresql mosquitto)
 
+# engram_install_packages [PACKAGE …]: those that all need, and these.
 engram_install_packages() {
   local missing=() package
-  for package in "${ENGRAM_PACKAGES[@]}"; do
+  for package in "${ENGRAM_PACKAGES[@]}" "$@"; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
   done
   [ ${#missing[@]} -eq 0 ] && return

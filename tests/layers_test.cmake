@@ -18,6 +18,7 @@ foreach(lib upkeep store exporters evaluation)
   set(rank_${lib} 5)
 endforeach()
 set(rank_pipeline 6)
+set(rank_keeper 7)
 set(rank_viewer 7)
 
 set(violations 0)

@@ -123,6 +123,7 @@ int LocalizeProgram::run(std::ostream& out, std::ostream& err) {
     drive->end(localizer.map(), input_.exitCode() == kOk);
     drive->keep(localizer.derived());
     drive->file().close();
+    notice_ = drive->notice();
   }
   if (truth && !base::interrupted()) truth->requireMatch(localizer.map(), err);
   const int code = conclude(localizer, figures, out, err);
@@ -168,7 +169,8 @@ int LocalizeProgram::conclude(const pipeline::Pipeline& localizer, const Localiz
   if (base::interrupted()) err << name() << ": interrupted; the results hold every image up to here\n";
   say(figures.use().complaint(), err);
   say(pipeline::describe(localizer.wheels()), err);
-  const bool sound = figures.use().complaint().empty() && !eyes_.faulty() &&
+  say(notice_, err);
+  const bool sound = notice_.empty() && figures.use().complaint().empty() && !eyes_.faulty() &&
                      !pipeline::isGrave(localizer.wheels()) && !stream_.failed();
   return sound ? input_.exitCode() : kPartial;
 }

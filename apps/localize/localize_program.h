@@ -41,6 +41,7 @@ class LocalizeProgram : public Program {
   double truthRadius_ = 1.0;
   int truthMargin_ = 0;
   bool adapt_ = false, overwrite_ = false, quiet_ = false, global_ = false, resume_ = false, again_ = false;
+  std::string notice_;  ///< of a map whose server went away
 };
 
 }  // namespace engram::apps

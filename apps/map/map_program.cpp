@@ -110,6 +110,15 @@ std::string MapProgram::examples() const {
          "  engram-map export office.engram --format 3dscene --images --out office.3Dscene\n"
          "  engram-map export office.engram --format html --out office.html\n"
          "  engram-map export office.engram --format tum --out path.tum    for evo and the like\n"
+         "  engram-map diff monday.engram friday.engram                    what is new, gone, moved\n"
+         "  engram-map merge robot1.engram robot2.engram --out both.engram\n"
+         "  engram-map reduce office.engram --bytes 20000000 --dry-run     what would have to go\n"
+         "  engram-map drives list office.engram\n"
+         "  engram-map drives drop office.engram 3\n"
+         "  engram-map closures list office.engram\n"
+         "  engram-map closures reject office.engram 812\n"
+         "  engram-map crop office.engram --region 0,0,25,12\n"
+         "  engram-map anonymise office.engram\n"
          "  engram-map train-vocabulary a.engram b.engram --out office.vocabulary\n";
 }
 
@@ -133,6 +142,12 @@ void MapProgram::declare(CLI::App& app) {
   indexOf_ =
       app.add_subcommand("index", "Keep in the map what opening it needs; the end of a drive does it too");
   index_.declare(*indexOf_);
+  diff_ = app.add_subcommand("diff", "Compare two maps row by row; exit code 0: equal, 3: they differ");
+  diffMaps_.declare(*diff_);
+  merge_ = app.add_subcommand(
+      "merge", "Make one map of two of one building; exit code 1 when they are kept apart, with the reason");
+  mergeMaps_.declare(*merge_);
+  keeper_.declare(app);
   train_ =
       app.add_subcommand("train-vocabulary", "Train a vocabulary tree on what the places of maps remember");
   trainVocabulary_.declare(*train_);
@@ -162,6 +177,9 @@ int MapProgram::run(std::ostream& out, std::ostream& err) {
   if (recoverTo_->parsed()) return recover_.run(out, err);
   if (indexOf_->parsed()) return index_.run(out);
   if (train_->parsed()) return trainVocabulary_.run(out, err);
+  if (merge_->parsed()) return mergeMaps_.run(out, err);
+  if (diff_->parsed()) return diffMaps_.run(out);
+  if (const auto code = keeper_.run(out, err)) return *code;
   return exportMap(out);
 }
 
@@ -182,7 +200,10 @@ int MapProgram::check(std::ostream& out) const {
   const std::string name = base::forTerminal(map_), missing = store::missingLog(map_);
   if (!missing.empty()) out << name << ": " << base::forTerminal(missing) << '\n';
   if (!problems.empty()) {
-    if (!quiet_) out << "Save what can be read of it with: engram-map recover " << name << " NEW.engram\n";
+    const bool onServer = map_.find("://") != std::string::npos;
+    if (!quiet_ && onServer) out << "Bring it back from a backup of the server\n";
+    if (!quiet_ && !onServer)
+      out << "Save what can be read of it with: engram-map recover " << name << " NEW.engram\n";
     return kError;
   }
   if (!quiet_) out << name << ": sound" << (missing.empty() ? "" : " as far as it goes") << '\n';

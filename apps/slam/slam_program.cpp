@@ -10,6 +10,7 @@
 #include "engram/base/text.h"
 #include "engram/exporters/exporters.h"
 #include "engram/exporters/html_report.h"
+#include "engram/keeper/closures.h"
 #include "engram/store/map_copy.h"
 #include "engram/store/report_json.h"
 
@@ -97,6 +98,10 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
     input_.open(config_, err);  // tells the calibration; a live camera starts last
   pipeline::Pipeline mapper(config_.pipeline, std::move(known));
   if (drive.header() != nullptr) store::requireCompatible(*drive.header(), mapper.header(), path);
+  if (drive.header() != nullptr) {
+    const keeper::Rejections rejected = keeper::rejectionsOf(drive.file().notes());
+    mapper.keepApart({rejected.begin(), rejected.end()});
+  }
   if (keep > 0) drive.forget(mapper.map(), firstKept);
   stream_.open(path, err);
   window_.open(config_.pipeline, path, err);
@@ -127,6 +132,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   mapper.finish();
   drive.end(mapper.map(), input_.exitCode() == kOk);
   drive.keep(mapper.derived());
+  notice_ = drive.notice();
   return conclude(drive.file(), mapper, figures, truth ? &*truth : nullptr, out, err);
 }
 
@@ -158,7 +164,7 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::Pipeline& mapper
   input_.close();
   stream_.close(err);
   if (truth && !base::interrupted()) truth->requireMatch(map, err);
-  const auto bytes = fs::file_size(file.path());
+  const auto bytes = file.bytes();
   auto json = figures.toJson(map, bytes, peakResidentBytes());
   json["live"] = input_.figures();
   json["odometry"] = toJson(mapper.wheels());
@@ -174,7 +180,8 @@ int SlamProgram::conclude(store::MapFile& file, const pipeline::Pipeline& mapper
   if (base::interrupted()) err << name() << ": interrupted; the map holds every image up to here\n";
   say(figures.use().complaint(), err);
   say(pipeline::describe(mapper.wheels()), err);
-  const bool sound = figures.use().complaint().empty() && !eyes_.faulty() &&
+  say(notice_, err);
+  const bool sound = notice_.empty() && figures.use().complaint().empty() && !eyes_.faulty() &&
                      !pipeline::isGrave(mapper.wheels()) && !stream_.failed();
   return sound ? input_.exitCode() : kPartial;
 }

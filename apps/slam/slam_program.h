@@ -41,6 +41,7 @@ class SlamProgram : public Program {
   RunWindow window_;
   EyeWatch eyes_;
   ReportPictures pictures_;
+  std::string notice_;  ///< of a map whose server went away
   std::string map_, report_, truth_, json_;
   double truthRadius_ = 2.0;
   int truthMargin_ = 0;

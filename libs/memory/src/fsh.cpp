@@ -5,6 +5,7 @@
 #include "checks.h"
 #include "edit.h"
 #include "engram/base/error.h"
+#include "settle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -133,13 +134,16 @@ void record(PlaceMemory& memory, const std::vector<float>& fsh, int length) {
   }
 }
 
-/// F-16: prune, normalise, classify.
+}  // namespace
+
 void settle(PlaceMemory& memory, const FshParams& params, MemoryChange& change) {
   change.pruned = prune(memory, params);
   const auto fsh = normalisedFsh(memory);
   classify(memory, fsh, params, change);
   record(memory, fsh, params.history_length);
 }
+
+namespace {
 
 MemoryChange updateBy(const FshParams& params, PlaceMemory& memory, const Features& view,
                       std::span<const Match> matches) {

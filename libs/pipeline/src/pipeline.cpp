@@ -6,6 +6,8 @@
 #include "make_steps.h"
 #include "steps.h"
 
+#include <utility>
+
 namespace engram::pipeline {
 namespace {
 
@@ -95,6 +97,10 @@ std::vector<base::PlaceId> Pipeline::finish() {
 std::vector<map::DerivedRow> Pipeline::derived() { return steps_->recognise->derived(*run_); }
 
 const map::TopologicalMap& Pipeline::map() const { return run_->map; }
+
+void Pipeline::keepApart(std::vector<std::pair<base::PlaceId, base::PlaceId>> places) {
+  run_->apart = std::move(places);
+}
 
 void Pipeline::survey(base::PlaceId place, const Eigen::Isometry3d& T_world_place) {
   run_->map.survey(place, T_world_place);

@@ -152,6 +152,16 @@ bool fitsTerrain(Run& run, const Link& link) {
   return distance < spacingHere(run);
 }
 
+bool keptApart(const Run& run, base::PlaceId a, base::PlaceId b) {
+  if (run.apart.empty() || !a.valid()) return false;
+  constexpr int kBesideHops = 2;
+  const auto nearA = run.map.hopDistances(a, kBesideHops), nearB = run.map.hopDistances(b, kBesideHops);
+  return std::any_of(run.apart.begin(), run.apart.end(), [&](const auto& pair) {
+    return (nearA.contains(pair.first) && nearB.contains(pair.second)) ||
+           (nearA.contains(pair.second) && nearB.contains(pair.first));
+  });
+}
+
 bool seesWay(base::PlaceId from, std::span<const Link> links) {
   return std::any_of(links.begin(), links.end(),
                      [from](const Link& link) { return link.place == from && link.match.verified(); });

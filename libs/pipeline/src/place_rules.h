@@ -61,6 +61,9 @@ int closureInliers(Run& run, const Link& link);
 /// enough. A closure needs the matches of one.
 bool fitsTerrain(Run& run, const Link& link);
 
+/// Whether a keeper of the map has said that these two places are not the same ground.
+bool keptApart(const Run& run, base::PlaceId a, base::PlaceId b);
+
 /// Whether an image shows the way from a place to where it was taken.
 bool seesWay(base::PlaceId from, std::span<const Link> links);
 

@@ -72,6 +72,12 @@ void addView(Run& run, const Keyframe& image, base::PlaceId place, int thumbnail
 Decision PlaceDecide::decide(Run& run, const Keyframe&, const Verified& verified,
                              types::FrameReport& report) {
   Decision decision{.known = verified.accepted};
+  if (decision.known && isClosure(run, decision.known->place) &&
+      keptApart(run, run.robot.anchor(), decision.known->place)) {
+    report.reason = "a keeper of the map has rejected the closure to place " +
+                    std::to_string(decision.known->place.value);
+    decision.known.reset();
+  }
   if (decision.known && isClosure(run, decision.known->place) && run.robot.metric())
     judge(run, verified, decision, report);
   if (decision.known) {
@@ -109,6 +115,7 @@ void PlaceDecide::judge(Run& run, const Verified& verified, Decision& decision,
 void PlaceDecide::judgeEchoes(Run& run, std::span<const Link> echoes, base::PlaceId here,
                               const types::RelPose& T_here_robot, types::FrameReport& report) const {
   for (const Link& echo : echoes) {
+    if (keptApart(run, here, echo.place)) continue;
     run.closures.propose(run.map, closureBetween(run, here, T_here_robot, echo));
     applyJudgement(run, false, report);
   }

@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace engram::pipeline {
@@ -28,7 +29,8 @@ struct Run {
   ClosureBook closures;
   Whereabouts robot;
   int session = 0;
-  WayScale scale{};  ///< of the map, by this drive
+  WayScale scale{};                                              ///< of the map, by this drive
+  std::vector<std::pair<base::PlaceId, base::PlaceId>> apart{};  ///< see Pipeline::keepApart()
 
   /// Whether passages of the map join two places.
   bool joined(base::PlaceId a, base::PlaceId b) {

@@ -4,6 +4,7 @@
 
 #include "diagnosis.h"
 #include "engram/base/error.h"
+#include "schema.h"
 #include "schema_check.h"
 
 #include <sqlite3.h>
@@ -16,6 +17,38 @@ namespace engram::store {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Reads the ends of rows, which are their checksums. The pages of a long row before its last are not read.
+class RowEnds {
+ public:
+  RowEnds(sqlite3* database, const char* table) : database_(database), table_(table) {}
+  ~RowEnds() { sqlite3_blob_close(blob_); }
+  RowEnds(const RowEnds&) = delete;
+  RowEnds& operator=(const RowEnds&) = delete;
+
+  /// None when there is no such row.
+  std::optional<std::uint32_t> checksum(std::uint32_t id) {
+    const int code = blob_ == nullptr ? sqlite3_blob_open(database_, "main", table_, "data",
+                                                          static_cast<sqlite3_int64>(id), 0, &blob_)
+                                      : sqlite3_blob_reopen(blob_, static_cast<sqlite3_int64>(id));
+    std::uint32_t sum = 0;
+    const int size = code == SQLITE_OK ? sqlite3_blob_bytes(blob_) : 0;
+    const bool read = size >= 4 && sqlite3_blob_read(blob_, &sum, sizeof sum,
+                                                     size - static_cast<int>(sizeof sum)) == SQLITE_OK;
+    if (!read) close();
+    return read ? std::optional(sum) : std::nullopt;
+  }
+
+ private:
+  void close() {
+    sqlite3_blob_close(blob_);
+    blob_ = nullptr;
+  }
+
+  sqlite3* database_;
+  const char* table_;
+  sqlite3_blob* blob_ = nullptr;
+};
 
 /// Other programs may hold the file for the time of one commit.
 constexpr int kBusyTimeoutMs = 5000;
@@ -39,61 +72,50 @@ std::string percentEncoded(const std::string& path) {
   return out;
 }
 
+class SqliteCursor : public Cursor {
+ public:
+  SqliteCursor(Database& database, const char* sql) : database_(database) {
+    check(sqlite3_prepare_v2(database.handle(), sql, -1, &statement_, nullptr));
+  }
+  ~SqliteCursor() override { sqlite3_finalize(statement_); }
+  SqliteCursor(const SqliteCursor&) = delete;
+  SqliteCursor& operator=(const SqliteCursor&) = delete;
+
+  void bind(int position, std::uint64_t value) override {
+    check(sqlite3_bind_int64(statement_, position, static_cast<sqlite3_int64>(value)));
+  }
+  void bind(int position, const Blob& value) override {
+    check(sqlite3_bind_blob64(statement_, position, value.data(), value.size(), SQLITE_STATIC));
+  }
+  void bind(int position, const std::string& value) override {
+    check(sqlite3_bind_text64(statement_, position, value.data(), value.size(), SQLITE_STATIC, SQLITE_UTF8));
+  }
+  bool step() override {
+    const int code = sqlite3_step(statement_);
+    if (code == SQLITE_ROW) return true;
+    if (code != SQLITE_DONE) database_.fail(code);
+    return false;
+  }
+  void reset() override { sqlite3_reset(statement_); }
+  std::int64_t integer(int column) const override { return sqlite3_column_int64(statement_, column); }
+  std::span<const std::uint8_t> blob(int column) const override {
+    const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_, column));
+    const int size = sqlite3_column_bytes(statement_, column);
+    return {data, data == nullptr ? 0u : static_cast<std::size_t>(size)};
+  }
+
+ private:
+  void check(int code) const {
+    if (code != SQLITE_OK) database_.fail(code);
+  }
+
+  Database& database_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
 }  // namespace
 
-Statement::Statement(Database& database, const char* sql) : database_(database) {
-  const int code = sqlite3_prepare_v2(database.handle(), sql, -1, &statement_, nullptr);
-  if (code != SQLITE_OK) database.fail(code);
-}
-
-Statement::~Statement() { sqlite3_finalize(statement_); }
-
-Statement& Statement::bind(int position, std::uint64_t value) {
-  const int code = sqlite3_bind_int64(statement_, position, static_cast<sqlite3_int64>(value));
-  if (code != SQLITE_OK) database_.fail(code);
-  return *this;
-}
-
-Statement& Statement::bind(int position, const Blob& value) {
-  const int code = sqlite3_bind_blob64(statement_, position, value.data(), value.size(), SQLITE_STATIC);
-  if (code != SQLITE_OK) database_.fail(code);
-  return *this;
-}
-
-Statement& Statement::bind(int position, const std::string& value) {
-  const int code =
-      sqlite3_bind_text64(statement_, position, value.data(), value.size(), SQLITE_STATIC, SQLITE_UTF8);
-  if (code != SQLITE_OK) database_.fail(code);
-  return *this;
-}
-
-bool Statement::step() {
-  const int code = sqlite3_step(statement_);
-  if (code == SQLITE_ROW) return true;
-  if (code != SQLITE_DONE) database_.fail(code);
-  return false;
-}
-
-void Statement::run() {
-  while (step()) {
-  }
-  sqlite3_reset(statement_);
-}
-
-std::int64_t Statement::integer(int column) const { return sqlite3_column_int64(statement_, column); }
-
-std::span<const std::uint8_t> Statement::blob(int column) const {
-  const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_, column));
-  const int size = sqlite3_column_bytes(statement_, column);
-  return {data, data == nullptr ? 0u : static_cast<std::size_t>(size)};
-}
-
-std::string Statement::text(int column) const {
-  const auto bytes = blob(column);
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-Database::Database(const std::string& path, Mode mode) : path_(path) {
+Database::Database(const std::string& path, Mode mode) : path_(path), writable_(mode != Mode::kReadOnly) {
   // An absolute path: ':memory:' and 'file:x' are then plain file names.
   const std::string file = fs::absolute(path).string();
   if (mode == Mode::kReadOnly)
@@ -200,10 +222,52 @@ void Database::foldLog() {
   if (code != SQLITE_OK && (code & 0xff) != SQLITE_BUSY) fail(code);
 }
 
-std::int64_t Database::number(const char* sql) {
-  Statement statement(*this, sql);
-  if (!statement.step()) throw base::Error("map '" + path_ + "': it is damaged");
-  return statement.integer(0);
+std::unique_ptr<Cursor> Database::prepare(const char* sql) {
+  return std::make_unique<SqliteCursor>(*this, sql);
+}
+
+void Database::rollBack() noexcept {
+  // SQLite may have rolled back by itself, after which this fails without harm.
+  sqlite3_exec(handle_.get(), "ROLLBACK", nullptr, nullptr, nullptr);
+}
+
+void Database::makeTables() { createSchema(*this); }
+int Database::formatVersion() { return requireMap(*this); }
+void Database::upgrade(int version) { upgradeSchema(*this, version); }
+
+void Database::finish(bool wrote) {
+  const bool logged = fs::exists(path_ + "-wal");  // another writer has left it
+  if (writable_ && (wrote || logged)) foldLog();
+  handle_.reset();
+}
+
+Checksums Database::checksums(const char* table) {
+  Checksums sums;
+  RowEnds ends(handle_.get(), table);
+  Statement ids(*this, ("SELECT id FROM " + std::string(table) + " ORDER BY id").c_str());
+  while (ids.step()) {
+    const auto id = static_cast<std::uint32_t>(ids.integer(0));
+    if (const auto sum = ends.checksum(id)) sums.emplace_hint(sums.end(), id, *sum);
+  }
+  return sums;
+}
+
+std::vector<std::string> Database::integrity() {
+  std::vector<std::string> problems;
+  Statement check(*this, "PRAGMA integrity_check");
+  while (check.step())
+    if (check.text(0) != "ok") problems.push_back(check.text(0));
+  return problems;
+}
+
+std::uint64_t Database::bytes() {
+  std::uint64_t sum = 0;
+  for (const char* suffix : {"", "-wal"}) {
+    std::error_code error;
+    const auto size = fs::file_size(path_ + suffix, error);
+    if (!error) sum += size;
+  }
+  return sum;
 }
 
 void Database::fail(int code) const {
@@ -212,18 +276,6 @@ void Database::fail(int code) const {
   throw base::Error(
       "map '" + path_ +
       "': " + explanation(same ? extended : code, same ? sqlite3_system_errno(handle_.get()) : 0, path_));
-}
-
-Transaction::Transaction(Database& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }
-
-Transaction::~Transaction() {
-  // SQLite may have rolled back by itself, after which this fails without harm.
-  if (open_) sqlite3_exec(database_.handle(), "ROLLBACK", nullptr, nullptr, nullptr);
-}
-
-void Transaction::commit() {
-  database_.execute("COMMIT");
-  open_ = false;
 }
 
 }  // namespace engram::store

@@ -4,8 +4,6 @@
 
 #include "engram/base/error.h"
 
-#include <sqlite3.h>
-
 #include <optional>
 
 namespace engram::store {
@@ -18,38 +16,6 @@ const char* basisTable(map::DerivedKind kind) {
   return kind == map::DerivedKind::kSignature ? "views" : nullptr;
 }
 
-/// Reads the ends of rows, which are their checksums. The pages of a long row before its last are not read.
-class RowEnds {
- public:
-  RowEnds(Database& database, const char* table) : database_(database), table_(table) {}
-  ~RowEnds() { sqlite3_blob_close(blob_); }
-  RowEnds(const RowEnds&) = delete;
-  RowEnds& operator=(const RowEnds&) = delete;
-
-  /// None when there is no such row.
-  std::optional<std::uint32_t> checksum(std::uint32_t id) {
-    const int code = blob_ == nullptr ? sqlite3_blob_open(database_.handle(), "main", table_, "data",
-                                                          static_cast<sqlite3_int64>(id), 0, &blob_)
-                                      : sqlite3_blob_reopen(blob_, static_cast<sqlite3_int64>(id));
-    std::uint32_t sum = 0;
-    const int size = code == SQLITE_OK ? sqlite3_blob_bytes(blob_) : 0;
-    const bool read = size >= 4 && sqlite3_blob_read(blob_, &sum, sizeof sum,
-                                                     size - static_cast<int>(sizeof sum)) == SQLITE_OK;
-    if (!read) close();
-    return read ? std::optional(sum) : std::nullopt;
-  }
-
- private:
-  void close() {
-    sqlite3_blob_close(blob_);
-    blob_ = nullptr;
-  }
-
-  Database& database_;
-  const char* table_;
-  sqlite3_blob* blob_ = nullptr;
-};
-
 Blob sealed(const map::DerivedRow& row, std::uint32_t basis) {
   BlobWriter out(static_cast<RowKind>(row.kind), kDerivedVersion);
   out.put(basis);
@@ -59,20 +25,12 @@ Blob sealed(const map::DerivedRow& row, std::uint32_t basis) {
 
 }  // namespace
 
-Checksums basesOf(Database& database, map::DerivedKind kind) {
-  Checksums sums;
+Checksums basesOf(Connection& connection, map::DerivedKind kind) {
   const char* table = basisTable(kind);
-  if (table == nullptr) return sums;
-  RowEnds ends(database, table);
-  Statement ids(database, ("SELECT id FROM " + std::string(table) + " ORDER BY id").c_str());
-  while (ids.step()) {
-    const auto id = static_cast<std::uint32_t>(ids.integer(0));
-    if (const auto sum = ends.checksum(id)) sums.emplace_hint(sums.end(), id, *sum);
-  }
-  return sums;
+  return table == nullptr ? Checksums{} : connection.checksums(table);
 }
 
-void readDerived(Database& database, map::DerivedKind kind, const Checksums& bases,
+void readDerived(Connection& database, map::DerivedKind kind, const Checksums& bases,
                  const map::Derived::Take& take) {
   Statement rows(database, "SELECT id, data FROM derived WHERE kind = $1 ORDER BY id");
   rows.bind(1, static_cast<std::uint64_t>(kind));
@@ -89,7 +47,7 @@ void readDerived(Database& database, map::DerivedKind kind, const Checksums& bas
   }
 }
 
-void checkDerived(Database& database, std::vector<std::string>& problems) {
+void checkDerived(Connection& database, std::vector<std::string>& problems) {
   Statement rows(database, "SELECT kind, id, data FROM derived");
   while (rows.step()) {
     const std::int64_t kind = rows.integer(0), id = rows.integer(1);
@@ -103,13 +61,17 @@ void checkDerived(Database& database, std::vector<std::string>& problems) {
   }
 }
 
-void writeDerived(Database& database, std::span<const map::DerivedRow> rows) {
-  RowEnds memories(database, "memories"), views(database, "views");
-  Statement put(database, "INSERT OR REPLACE INTO derived VALUES ($1, $2, $3)");
+void writeDerived(Connection& database, std::span<const map::DerivedRow> rows) {
+  const Checksums memories = database.checksums("memories"), views = database.checksums("views");
+  const auto basisOf = [&](const map::DerivedRow& row) -> std::optional<std::uint32_t> {
+    if (basisTable(row.kind) == nullptr) return 0;
+    const Checksums& sums = row.kind == map::DerivedKind::kPlaceWords ? memories : views;
+    const auto at = sums.find(row.id);
+    return at == sums.end() ? std::nullopt : std::optional(at->second);
+  };
+  Statement put(database, kPutDerived);
   for (const map::DerivedRow& row : rows) {
-    std::optional<std::uint32_t> basis = 0;
-    if (row.kind == map::DerivedKind::kPlaceWords) basis = memories.checksum(row.id);
-    if (row.kind == map::DerivedKind::kSignature) basis = views.checksum(row.id);
+    const auto basis = basisOf(row);
     if (!basis) continue;
     const Blob data = sealed(row, *basis);
     put.bind(1, static_cast<std::uint64_t>(row.kind)).bind(2, std::uint64_t{row.id}).bind(3, data).run();

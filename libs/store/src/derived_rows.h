@@ -3,7 +3,7 @@
 #pragma once
 
 #include "blob.h"
-#include "database.h"
+#include "connection.h"
 #include "engram/map/derived.h"
 
 #include <cstdint>
@@ -17,20 +17,20 @@ namespace engram::store {
 // Rows of the table `derived`. Each holds the checksum of the row that it was made of, its basis: what has
 // changed without it is found by that, whoever changed it.
 
-/// The checksums of the rows of a table, by number; read without the rows themselves.
-using Checksums = std::map<std::uint32_t, std::uint32_t>;
+inline constexpr const char* kPutDerived =
+    "INSERT INTO derived VALUES ($1, $2, $3) ON CONFLICT (kind, id) DO UPDATE SET data = excluded.data";
 
 /// Of the table that rows of this kind are made of; empty for words, which need none.
-Checksums basesOf(Database& database, map::DerivedKind kind);
+Checksums basesOf(Connection& database, map::DerivedKind kind);
 
 /// Hands over the rows of a kind that hold good.
-void readDerived(Database& database, map::DerivedKind kind, const Checksums& bases,
+void readDerived(Connection& database, map::DerivedKind kind, const Checksums& bases,
                  const map::Derived::Take& take);
 
 /// Everything that is wrong with the table, one sentence each. What is outdated is not wrong.
-void checkDerived(Database& database, std::vector<std::string>& problems);
+void checkDerived(Connection& database, std::vector<std::string>& problems);
 
 /// Writes rows, and drops those whose basis is gone. To be called within a transaction.
-void writeDerived(Database& database, std::span<const map::DerivedRow> rows);
+void writeDerived(Connection& database, std::span<const map::DerivedRow> rows);
 
 }  // namespace engram::store

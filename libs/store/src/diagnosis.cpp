@@ -6,6 +6,7 @@
 #include "engram/base/error.h"
 #include "engram/store/map_copy.h"
 #include "schema.h"
+#include "server.h"
 
 #include <sqlite3.h>
 
@@ -177,7 +178,7 @@ std::string whyNoMap(const std::string& path) {
 }
 
 std::string missingLog(const std::string& path) {
-  if (!logIsMissing(path)) return {};
+  if (isOnServer(path) || !logIsMissing(path)) return {};
   return "its last images may be missing: it was copied without " + logName(path) + ", or that was deleted";
 }
 

@@ -9,7 +9,7 @@
 namespace engram::store {
 namespace {
 
-PlaceCounts counted(Database& database, std::uint32_t id, std::uint32_t checksum) {
+PlaceCounts counted(Connection& database, std::uint32_t id, std::uint32_t checksum) {
   Statement row(database, "SELECT data FROM memories WHERE id = $1");
   row.bind(1, std::uint64_t{id});
   if (!row.step()) return {};
@@ -26,7 +26,7 @@ PlaceCounts counted(Database& database, std::uint32_t id, std::uint32_t checksum
 }  // namespace
 
 /// Empty where nothing can be read: what is missing is counted anew.
-CountsByPlace keptCounts(Database& database) {
+CountsByPlace keptCounts(Connection& database) {
   CountsByPlace counts;
   try {
     Statement row(database, "SELECT data FROM derived WHERE kind = $1 AND id = 0");
@@ -49,7 +49,7 @@ CountsByPlace keptCounts(Database& database) {
   return counts;
 }
 
-CountsByPlace countFeatures(Database& database, int version) {
+CountsByPlace countFeatures(Connection& database, int version) {
   const CountsByPlace kept = version >= 3 ? keptCounts(database) : CountsByPlace{};
   CountsByPlace counts;
   for (const auto& [id, checksum] : basesOf(database, map::DerivedKind::kPlaceWords)) {
@@ -69,7 +69,7 @@ FeatureCounts sumOf(const CountsByPlace& counts) {
   return sum;
 }
 
-void writeCounts(Database& database, const CountsByPlace& counts) {
+void writeCounts(Connection& database, const CountsByPlace& counts) {
   BlobWriter out(RowKind::kCounts, 1);
   out.put(std::uint32_t{0});  // in the place of a basis: each place has its own
   out.varint(counts.size());
@@ -80,9 +80,10 @@ void writeCounts(Database& database, const CountsByPlace& counts) {
     out.varint(place.all);
   }
   const Blob row = std::move(out).seal(0);
-  Statement(database, "INSERT OR REPLACE INTO derived VALUES ($1, 0, $2)")
+  Statement(database, kPutDerived)
       .bind(1, static_cast<std::uint64_t>(RowKind::kCounts))
-      .bind(2, row)
+      .bind(2, std::uint64_t{0})
+      .bind(3, row)
       .run();
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "database.h"
+#include "connection.h"
 #include "engram/store/feature_counts.h"
 
 #include <cstdint>
@@ -19,16 +19,16 @@ struct PlaceCounts {
 using CountsByPlace = std::map<std::uint32_t, PlaceCounts>;
 
 /// What is kept beside a map of version 3, as it is.
-CountsByPlace keptCounts(Database& database);
+CountsByPlace keptCounts(Connection& database);
 
 /// The same as it holds good now; the rows of memories that have changed since are read. Throws
 /// base::Error for one that is damaged.
 /// @param version of the format of the map
-CountsByPlace countFeatures(Database& database, int version);
+CountsByPlace countFeatures(Connection& database, int version);
 
 FeatureCounts sumOf(const CountsByPlace& counts);
 
 /// Keeps them. To be called within a transaction.
-void writeCounts(Database& database, const CountsByPlace& counts);
+void writeCounts(Connection& database, const CountsByPlace& counts);
 
 }  // namespace engram::store

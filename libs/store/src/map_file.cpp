@@ -12,7 +12,9 @@
 #include "rows.h"
 #include "rows_on_demand.h"
 #include "schema.h"
+#include "server.h"
 #include "undo.h"
+#include "whole_rows.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -52,11 +54,13 @@ MapState stateOf(const map::MapContent& content, const MapState& before) {
 /// Writes and deletes rows, and keeps what they were for Undo.
 class RowWriter {
  public:
-  RowWriter(Database& database, Undo& undo, const RowTable& table)
+  RowWriter(Connection& database, Undo& undo, const RowTable& table)
       : database_(database),
         undo_(undo),
         table_(table),
-        put_(database, ("INSERT OR REPLACE INTO " + std::string(table.name) + " VALUES (?, ?)").c_str()) {}
+        put_(database, ("INSERT INTO " + std::string(table.name) +
+                        " VALUES ($1, $2) ON CONFLICT (id) DO UPDATE SET data = excluded.data")
+                           .c_str()) {}
 
   void put(std::uint64_t id, const Blob& row) {
     undo_.keep(database_, table_, id);
@@ -65,7 +69,7 @@ class RowWriter {
   template <class Ids>
   void remove(const Ids& ids) {
     if (ids.empty()) return;
-    Statement gone(database_, ("DELETE FROM " + std::string(table_.name) + " WHERE id = ?").c_str());
+    Statement gone(database_, ("DELETE FROM " + std::string(table_.name) + " WHERE id = $1").c_str());
     for (const auto id : ids) {
       undo_.keep(database_, table_, id.value);
       gone.bind(1, std::uint64_t{id.value}).run();
@@ -77,13 +81,13 @@ class RowWriter {
   }
 
  private:
-  Database& database_;
+  Connection& database_;
   Undo& undo_;
   RowTable table_;
   Statement put_;
 };
 
-void writeRows(Database& database, Undo& undo, const map::TopologicalMap& map,
+void writeRows(Connection& database, Undo& undo, const map::TopologicalMap& map,
                const map::MapChanges& changes) {
   const map::MapContent& content = map.content();
   RowWriter places(database, undo, kPlaceRows), memories(database, undo, kMemoryRows),
@@ -121,28 +125,31 @@ void requireFile(const std::string& path) {
 }  // namespace
 
 struct MapFile::Impl {
-  Impl(const std::string& path, Database::Mode mode)
-      : database(std::make_shared<Database>(path, mode)),
-        name(path),
-        writable(mode != Database::Mode::kReadOnly) {}
+  Impl(std::shared_ptr<Connection> connection, bool mayWrite)
+      : database(std::move(connection)), name(database->path()), writable(mayWrite) {}
 
-  Database& open() const {
+  Connection& open() const {
     if (!database) throw base::Error("map '" + name + "' is closed");
     return *database;
   }
+  /// Fills a new map, which holds nothing yet.
+  void make(const map::MapHeader& made);
+  /// Reads what the map says of itself.
+  void look();
   /// The first call makes the file ready to be written.
-  Database& openForWriting();
+  Connection& openForWriting();
   Drive& currentDrive() {
     if (!drive) throw std::logic_error("MapFile: no drive was begun");
     return *drive;
   }
 
   std::optional<WriterLock> lock;
-  std::shared_ptr<Database> database;  // after the lock: closed before that is given back
-  std::shared_ptr<RowsOnDemand> rows;  // of the map that was loaded on demand
+  std::shared_ptr<Connection> database;  // after the lock: closed before that is given back
+  std::shared_ptr<RowsOnDemand> rows;    // of the map that was loaded on demand
   std::string name;
   bool writable;
   bool ready = false;  ///< for writing
+  std::uint64_t closedBytes = 0;
   int version = kFormatVersion;
   map::MapHeader header;
   MapState state;
@@ -164,7 +171,7 @@ class MapFile::Edit {
   Edit(const Edit&) = delete;
   Edit& operator=(const Edit&) = delete;
 
-  Database& database() { return *impl_.database; }
+  Connection& database() { return *impl_.database; }
   void commit() {
     writeState(database(), next);
     if (drive) writeDrive(database(), *drive);
@@ -184,19 +191,38 @@ class MapFile::Edit {
   std::optional<Drive> drive;  ///< under way after this
 };
 
-Database& MapFile::Impl::openForWriting() {
+Connection& MapFile::Impl::openForWriting() {
   if (!writable) throw base::Error("map '" + name + "' was opened for reading only");
-  Database& opened = open();
+  Connection& opened = open();
   if (ready) return opened;
   opened.beginWriting();
   if (version < kFormatVersion) {
     Transaction transaction(opened);
-    upgradeSchema(opened, version);
+    opened.upgrade(version);
     transaction.commit();
     version = kFormatVersion;
   }
   ready = true;
   return opened;
+}
+
+void MapFile::Impl::make(const map::MapHeader& made) {
+  Transaction transaction(*database);
+  database->makeTables();
+  writeHeader(*database, made);
+  writeState(*database, state);
+  transaction.commit();
+  openForWriting();
+  header = made;
+}
+
+void MapFile::Impl::look() {
+  if (!writable) database->beginSnapshot();
+  version = database->formatVersion();
+  MapReader reader(*database);
+  header = reader.header();
+  state = reader.state();
+  if (writable) reader.requireLastRecord(state);
 }
 
 MapFile::MapFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -212,6 +238,12 @@ MapFile::~MapFile() {
 }
 
 MapFile MapFile::create(const std::string& path, const map::MapHeader& header, bool overwrite) {
+  if (isOnServer(path)) {
+    const ServerMode mode = overwrite ? ServerMode::kReplace : ServerMode::kCreate;
+    auto impl = std::make_unique<Impl>(connectToServer(path, mode), true);
+    impl->make(header);
+    return MapFile(std::move(impl));
+  }
   requireCreatable(path);
   return create(WriterLock(path), header, overwrite);
 }
@@ -220,22 +252,22 @@ MapFile MapFile::create(WriterLock lock, const map::MapHeader& header, bool over
   const std::string path = lock.mapPath();
   requireCreatable(path);
   if (fs::exists(path)) removeOld(path, overwrite);
-  auto impl = std::make_unique<Impl>(path, Database::Mode::kCreate);
+  auto impl = std::make_unique<Impl>(std::make_unique<Database>(path, Database::Mode::kCreate), true);
   impl->lock = std::move(lock);
   // Without the log yet: a map that was cut off while it was made is an empty file, or whole.
-  Transaction transaction(*impl->database);
-  createSchema(*impl->database);
-  writeHeader(*impl->database, header);
-  writeState(*impl->database, impl->state);
-  transaction.commit();
-  impl->openForWriting();
-  impl->header = header;
+  impl->make(header);
   return MapFile(std::move(impl));
 }
 
 MapFile MapFile::open(const std::string& path, Access access) {
-  requireFile(path);
   const bool write = access == Access::kReadWrite;
+  if (isOnServer(path)) {
+    const ServerMode mode = write ? ServerMode::kReadWrite : ServerMode::kReadOnly;
+    auto impl = std::make_unique<Impl>(connectToServer(path, mode), write);
+    impl->look();
+    return MapFile(std::move(impl));
+  }
+  requireFile(path);
   std::optional<WriterLock> lock;
   if (write) {
     // Looked at before it is opened for writing: a file that is not ours is not touched.
@@ -243,15 +275,11 @@ MapFile MapFile::open(const std::string& path, Access access) {
     requireMap(look);
     lock.emplace(path);
   }
-  auto impl = std::make_unique<Impl>(path, write ? Database::Mode::kReadWrite : Database::Mode::kReadOnly);
+  auto impl = std::make_unique<Impl>(
+      std::make_unique<Database>(path, write ? Database::Mode::kReadWrite : Database::Mode::kReadOnly),
+      write);
   impl->lock = std::move(lock);
-  if (!write) impl->database->beginSnapshot();
-  impl->version = requireMap(*impl->database);
-  MapReader reader(*impl->database);
-  impl->header = reader.header();
-  impl->state = reader.state();
-  if (write) reader.requireLastRecord(impl->state);
-  if (write) reader.requireLastRecord(impl->state);
+  impl->look();
   return MapFile(std::move(impl));
 }
 
@@ -263,7 +291,7 @@ map::TopologicalMap MapFile::load() const { return map::TopologicalMap(MapReader
 map::TopologicalMap MapFile::loadOnDemand() {
   impl_->open();
   // What has lost its log is nobody's snapshot.
-  if (!impl_->writable && logIsMissing(impl_->name)) return load();
+  if (!impl_->writable && !isOnServer(impl_->name) && logIsMissing(impl_->name)) return load();
   impl_->rows = std::make_shared<RowsOnDemand>(impl_->database, impl_->header, impl_->version);
   map::MapContent content = MapReader(impl_->open()).content(impl_->rows);
   content.derived = impl_->rows;
@@ -276,7 +304,9 @@ map::TopologicalMap MapFile::loadGraph() {
 }
 
 void MapFile::yieldToWriter() {
-  if (!impl_->database || impl_->writable || !impl_->rows || !WriterLock::isHeld(impl_->name)) return;
+  if (!impl_->database || impl_->writable || !impl_->rows || isOnServer(impl_->name) ||
+      !WriterLock::isHeld(impl_->name))
+    return;
   impl_->rows->letGo();
   impl_->database.reset();
 }
@@ -334,11 +364,11 @@ void MapFile::endDrive() {
     edit.commit();
   }
   impl_->drive.reset();
-  impl_->open().execute("PRAGMA incremental_vacuum");
+  impl_->open().giveBackSpace();
 }
 
 map::TopologicalMap MapFile::loadBeforeLastDrive() {
-  Database& database = impl_->openForWriting();
+  Connection& database = impl_->openForWriting();
   Transaction rolledBack(database);
   MapState base = Undo::takeBack(database);
   base.firstRecord = impl_->state.firstRecord;
@@ -363,7 +393,7 @@ void MapFile::forgetRecords(int firstKeptSession) {
                                  [&](const Drive& drive) { return drive.session >= firstKeptSession; });
   if (kept == all.end() || kept->firstRecord <= impl_->state.firstRecord) return;
   Edit edit(*impl_);
-  Statement(edit.database(), "DELETE FROM records WHERE id < ?").bind(1, kept->firstRecord).run();
+  Statement(edit.database(), "DELETE FROM records WHERE id < $1").bind(1, kept->firstRecord).run();
   edit.next.records = edit.next.nextRecord() - kept->firstRecord;
   edit.next.firstRecord = kept->firstRecord;
   edit.commit();
@@ -374,14 +404,43 @@ FeatureCounts MapFile::featureCounts() const { return sumOf(countFeatures(impl_-
 std::uint64_t MapFile::recordCount() const { return impl_->state.records; }
 std::uint64_t MapFile::viewCount() const { return impl_->state.views; }
 
+std::map<std::string, std::string> MapFile::notes() const { return readNotes(impl_->open()); }
+
+WholeMap MapFile::whole() const {
+  Connection& database = impl_->open();
+  MapReader reader(database);
+  return {
+      impl_->header,    reader.content(),         impl_->version < 2 ? drivesFromRecords(database) : drives(),
+      reader.records(), impl_->state.firstRecord, readNotes(impl_->open())};
+}
+
+void MapFile::replace(const WholeMap& whole) {
+  std::vector<std::string> broken = map::brokenRules(whole.content);
+  if (broken.empty()) broken = map::brokenRules(whole.header, whole.content);
+  if (!broken.empty())
+    throw base::Error("map '" + impl_->name + "': it would not be sound: " + broken.front());
+  Edit edit(*impl_);
+  writeWhole(edit.database(), whole);
+  const MapState before = edit.next;
+  edit.next = stateOf(whole.content, before);
+  edit.next.nextPlace = std::max(before.nextPlace, edit.next.nextPlace);
+  edit.next.nextView = std::max(before.nextView, edit.next.nextView);
+  edit.next.nextEdge = std::max(before.nextEdge, edit.next.nextEdge);
+  edit.next.records = whole.records.size();
+  edit.next.firstRecord = whole.firstRecord;
+  edit.drive.reset();
+  edit.commit();
+  impl_->undo = {};
+  impl_->header = whole.header;
+  impl_->open().giveBackSpace();
+}
+
 std::vector<types::FrameReport> MapFile::records() const { return MapReader(impl_->open()).records(); }
 
 std::vector<std::string> MapFile::check() const {
   std::vector<std::string> problems;
   try {
-    Statement integrity(impl_->open(), "PRAGMA integrity_check");
-    while (integrity.step())
-      if (integrity.text(0) != "ok") problems.push_back(integrity.text(0));
+    problems = impl_->open().integrity();
     MapReader reader(impl_->open(), &problems);
     reader.content();
     reader.records();
@@ -399,22 +458,22 @@ void MapFile::dump(std::ostream& out) const {
 }
 
 std::uint64_t MapFile::bytes() const {
-  std::uint64_t sum = 0;
-  for (const char* suffix : {"", "-wal"}) {
-    std::error_code error;
-    const auto size = fs::file_size(impl_->name + suffix, error);
-    if (!error) sum += size;
-  }
-  return sum;
+  return impl_->database ? impl_->database->bytes() : impl_->closedBytes;
+}
+
+bool MapFile::exists(const std::string& path) {
+  std::error_code none;
+  return isOnServer(path) ? existsOnServer(path) : fs::exists(path, none);
 }
 
 void MapFile::close() {
   if (!impl_->database) return;
   {
-    const std::shared_ptr<Database> database = std::move(impl_->database);
-    if (impl_->writable && impl_->rows) impl_->rows->closing(impl_->state.commits);
-    const bool logged = fs::exists(impl_->name + "-wal");  // another writer has left it
-    if (impl_->writable && (impl_->ready || logged)) database->foldLog();
+    const std::shared_ptr<Connection> database = std::move(impl_->database);
+    const bool stillRead = impl_->rows && !impl_->writable;  // its memories, by the map that was loaded
+    if (impl_->rows && impl_->writable) impl_->rows->closing(impl_->state.commits);
+    if (!stillRead) database->finish(impl_->ready);
+    impl_->closedBytes = database->bytes();
   }
   impl_->lock.reset();
 }

@@ -46,7 +46,7 @@ void MapReader::checkPicture(const map::View& view) {
 }
 
 void MapReader::requireLastRecord(const MapState& state) {
-  const auto last = database_.number("SELECT ifnull(max(id), -1) FROM records");
+  const auto last = database_.number("SELECT coalesce(max(id), -1) FROM records");
   const bool fits =
       state.records == 0 ? last < 0 : static_cast<std::uint64_t>(last) + 1 == state.nextRecord();
   if (!fits)

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "codec.h"
-#include "database.h"
+#include "connection.h"
 #include "engram/map/map_content.h"
 #include "engram/types/frame_report.h"
 
@@ -17,7 +17,7 @@ namespace engram::store {
 /// with one, every problem is added to it and the damaged item left out.
 class MapReader {
  public:
-  explicit MapReader(Database& database, std::vector<std::string>* problems = nullptr)
+  explicit MapReader(Connection& database, std::vector<std::string>* problems = nullptr)
       : database_(database), problems_(problems) {}
 
   MapState state();
@@ -39,7 +39,7 @@ class MapReader {
   void readMemories(const MapState& state, map::MapContent& content);
   void checkPicture(const map::View& view);
 
-  Database& database_;
+  Connection& database_;
   std::vector<std::string>* problems_;
 };
 

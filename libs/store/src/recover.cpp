@@ -10,6 +10,7 @@
 #include "salvage.h"
 #include "schema.h"
 #include "scratch.h"
+#include "server.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -299,6 +300,9 @@ Recovery rebuild(const std::string& from, NewMap& target) {
 }  // namespace
 
 Recovery recoverMap(const std::string& from, const std::string& to, bool overwrite) {
+  if (isOnServer(from) || isOnServer(to))
+    throw base::Error(
+        "only a map file can be recovered: a server keeps its rows by itself. To copy one: engram-map copy");
   requireSource(from, to);
   NewMap target(to, overwrite);
   std::optional<Recovery> recovery = copyIfSound(from, target);

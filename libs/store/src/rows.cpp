@@ -9,8 +9,8 @@
 
 namespace engram::store {
 
-void writeHeader(Database& database, const map::MapHeader& h) {
-  Statement insert(database, "INSERT INTO header VALUES (?, ?, ?)");
+void writeHeader(Connection& database, const map::MapHeader& h) {
+  Statement insert(database, "INSERT INTO header VALUES ($1, $2, $3)");
   const std::pair<const char*, std::string> rows[] = {
       {"engram_version", h.engramVersion},
       {"camera", h.camera},
@@ -26,18 +26,24 @@ void writeHeader(Database& database, const map::MapHeader& h) {
   }
 }
 
-void writeState(Database& database, const MapState& state) {
+void writeState(Connection& database, const MapState& state) {
   const Blob row = encode(state);
-  Statement(database, "INSERT OR REPLACE INTO state VALUES (0, ?)").bind(1, row).run();
+  Statement(database, "INSERT INTO state VALUES (0, $1) ON CONFLICT (id) DO UPDATE SET data = excluded.data")
+      .bind(1, row)
+      .run();
 }
 
-void writeDrive(Database& database, const Drive& drive) {
+void writeDrive(Connection& database, const Drive& drive) {
   const Blob row = encode(drive);
-  Statement(database, "INSERT OR REPLACE INTO drives VALUES (?, ?)").bind(1, drive.id).bind(2, row).run();
+  Statement(database,
+            "INSERT INTO drives VALUES ($1, $2) ON CONFLICT (id) DO UPDATE SET data = excluded.data")
+      .bind(1, drive.id)
+      .bind(2, row)
+      .run();
 }
 
-void writeRecord(Database& database, std::uint64_t id, const std::string& json) {
-  Statement record(database, "INSERT INTO records VALUES (?, ?, ?)");
+void writeRecord(Connection& database, std::uint64_t id, const std::string& json) {
+  Statement record(database, "INSERT INTO records VALUES ($1, $2, $3)");
   record.bind(1, id).bind(2, json).bind(3, std::uint64_t{crc32Of(json)}).run();
 }
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "codec.h"
-#include "database.h"
+#include "connection.h"
 #include "engram/map/map_content.h"
 #include "engram/store/drive.h"
 
@@ -13,9 +13,9 @@
 namespace engram::store {
 
 // Single rows of a map. To be called within a transaction.
-void writeHeader(Database& database, const map::MapHeader& header);
-void writeState(Database& database, const MapState& state);
-void writeDrive(Database& database, const Drive& drive);
-void writeRecord(Database& database, std::uint64_t id, const std::string& json);
+void writeHeader(Connection& database, const map::MapHeader& header);
+void writeState(Connection& database, const MapState& state);
+void writeDrive(Connection& database, const Drive& drive);
+void writeRecord(Connection& database, std::uint64_t id, const std::string& json);
 
 }  // namespace engram::store

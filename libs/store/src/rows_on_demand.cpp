@@ -3,9 +3,11 @@
 #include "rows_on_demand.h"
 
 #include "codec.h"
+#include "database.h"
 #include "derived_rows.h"
 #include "engram/base/error.h"
 #include "map_reader.h"
+#include "server.h"
 
 namespace engram::store {
 namespace {
@@ -26,9 +28,13 @@ memory::PlaceMemory checkedMemory(std::span<const std::uint8_t> row, std::uint32
 
 }  // namespace
 
-Database& RowsOnDemand::database() const {
+Connection& RowsOnDemand::database() const {
   if (database_) return *database_;
-  auto again = std::make_shared<Database>(path_, Database::Mode::kReadOnly);
+  std::shared_ptr<Connection> again;
+  if (isOnServer(path_))
+    again = connectToServer(path_, ServerMode::kReadOnly);
+  else
+    again = std::make_shared<Database>(path_, Database::Mode::kReadOnly);
   again->beginSnapshot();
   if (MapReader(*again).state().commits != commits_)
     throw base::Error("map '" + path_ + "' was written by another program meanwhile; open it again");

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "database.h"
+#include "connection.h"
 #include "engram/map/map_content.h"
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace engram::store {
 class RowsOnDemand final : public map::OnDemand<memory::PlaceMemory>::Source, public map::Derived {
  public:
   /// @param version of the format of the file
-  RowsOnDemand(std::shared_ptr<Database> database, const map::MapHeader& header, int version)
+  RowsOnDemand(std::shared_ptr<Connection> database, const map::MapHeader& header, int version)
       : database_(std::move(database)), path_(database_->path()), header_(header), version_(version) {}
 
   memory::PlaceMemory read(std::uint32_t id) const override;
@@ -31,9 +31,9 @@ class RowsOnDemand final : public map::OnDemand<memory::PlaceMemory>::Source, pu
   void closing(std::uint64_t commits);
 
  private:
-  Database& database() const;
+  Connection& database() const;
 
-  mutable std::shared_ptr<Database> database_;
+  mutable std::shared_ptr<Connection> database_;
   std::string path_;
   map::MapHeader header_;
   int version_;

@@ -30,7 +30,7 @@ void setVersion(Database& database) {
 
 }  // namespace
 
-std::vector<Drive> drivesFromRecords(Database& database) {
+std::vector<Drive> drivesFromRecords(Connection& database) {
   MapReader reader(database);
   std::map<double, int> sessionAt;
   for (const map::PathPoint& point : reader.content().path) sessionAt.emplace(point.stamp, point.session);

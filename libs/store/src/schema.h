@@ -44,7 +44,7 @@ int requireMap(Database& database);
 
 /// The drives of a map of version 1, which did not name them: image numbers begin anew with each. A drive
 /// that only taught places left no point on the path.
-std::vector<Drive> drivesFromRecords(Database& database);
+std::vector<Drive> drivesFromRecords(Connection& database);
 
 /// Brings a map of an older version to the newest. To be called within a transaction.
 void upgradeSchema(Database& database, int version);

@@ -12,6 +12,8 @@ namespace {
 
 constexpr RowTable kAllRows[] = {kPlaceRows, kMemoryRows, kViewRows, kEdgeRows, kPathRows};
 
+const std::string kKept = "INSERT INTO undo SELECT CAST($1 AS BIGINT), id, data FROM ";
+
 std::uint64_t number(RowKind kind) { return static_cast<std::uint64_t>(kind); }
 
 std::uint64_t firstNewOf(const MapState& base, RowKind kind) {
@@ -27,8 +29,8 @@ std::uint64_t firstNewOf(const MapState& base, RowKind kind) {
   }
 }
 
-std::optional<MapState> baseOf(Database& database) {
-  Statement statement(database, "SELECT data FROM undo WHERE kind = ? AND id = 0");
+std::optional<MapState> baseOf(Connection& database) {
+  Statement statement(database, "SELECT data FROM undo WHERE kind = $1 AND id = 0");
   statement.bind(1, number(RowKind::kState));
   if (!statement.step()) return std::nullopt;
   return decodeState(statement.blob(0));
@@ -36,16 +38,16 @@ std::optional<MapState> baseOf(Database& database) {
 
 }  // namespace
 
-void Undo::begin(Database& database, const MapState& base) {
+void Undo::begin(Connection& database, const MapState& base) {
   clear(database);
   const Blob row = encode(base);
-  Statement insert(database, "INSERT INTO undo VALUES (?, 0, ?)");
+  Statement insert(database, "INSERT INTO undo VALUES ($1, 0, $2)");
   insert.bind(1, number(RowKind::kState)).bind(2, row).run();
   base_ = base;
   active_ = true;
 }
 
-bool Undo::load(Database& database) {
+bool Undo::load(Connection& database) {
   const auto base = baseOf(database);
   active_ = base.has_value();
   if (!active_) return false;
@@ -57,7 +59,7 @@ bool Undo::load(Database& database) {
   return true;
 }
 
-void Undo::clear(Database& database) {
+void Undo::clear(Connection& database) {
   database.execute("DELETE FROM undo");
   active_ = false;
   kept_.clear();
@@ -66,20 +68,18 @@ void Undo::clear(Database& database) {
 
 std::uint64_t Undo::firstNew(RowKind kind) const { return firstNewOf(base_, kind); }
 
-void Undo::keep(Database& database, const RowTable& table, std::uint64_t id) {
+void Undo::keep(Connection& database, const RowTable& table, std::uint64_t id) {
   if (!active_ || id >= firstNew(table.kind) || !kept_.emplace(table.kind, id).second) return;
   unsettled_.emplace_back(table.kind, id);
-  Statement copy(database, ("INSERT OR IGNORE INTO undo SELECT ?1, id, data FROM " + std::string(table.name) +
-                            " WHERE id = ?2")
-                               .c_str());
+  Statement copy(database,
+                 (kKept + std::string(table.name) + " WHERE id = $2 ON CONFLICT DO NOTHING").c_str());
   copy.bind(1, number(table.kind)).bind(2, id).run();
 }
 
-void Undo::keepAll(Database& database, const RowTable& table) {
+void Undo::keepAll(Connection& database, const RowTable& table) {
   if (!active_) return;
-  Statement copy(database, ("INSERT OR IGNORE INTO undo SELECT ?1, id, data FROM " + std::string(table.name) +
-                            " WHERE id < ?2")
-                               .c_str());
+  Statement copy(database,
+                 (kKept + std::string(table.name) + " WHERE id < $2 ON CONFLICT DO NOTHING").c_str());
   copy.bind(1, number(table.kind)).bind(2, firstNew(table.kind)).run();
 }
 
@@ -89,17 +89,19 @@ void Undo::settle(bool committed) {
   unsettled_.clear();
 }
 
-MapState Undo::takeBack(Database& database) {
+MapState Undo::takeBack(Connection& database) {
   const auto base = baseOf(database);
   if (!base)
     throw base::Error("map '" + database.path() + "' holds no drive that was cut off: nothing to resume");
   for (const RowTable& table : kAllRows) {
     const std::string name = table.name;
-    Statement(database, ("DELETE FROM " + name + " WHERE id >= ?").c_str())
+    Statement(database, ("DELETE FROM " + name + " WHERE id >= $1").c_str())
         .bind(1, firstNewOf(*base, table.kind))
         .run();
-    Statement(database,
-              ("INSERT OR REPLACE INTO " + name + " SELECT id, data FROM undo WHERE kind = ?").c_str())
+    Statement(database, ("INSERT INTO " + name +
+                         " SELECT id, data FROM undo WHERE kind = $1 ON CONFLICT (id) DO UPDATE SET data = "
+                         "excluded.data")
+                            .c_str())
         .bind(1, number(table.kind))
         .run();
   }

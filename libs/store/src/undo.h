@@ -3,7 +3,7 @@
 #pragma once
 
 #include "codec.h"
-#include "database.h"
+#include "connection.h"
 
 #include <cstdint>
 #include <set>
@@ -26,21 +26,21 @@ inline constexpr RowTable kPlaceRows{RowKind::kPlace, "places"}, kMemoryRows{Row
 class Undo {
  public:
   /// Starts with a state to go back to.
-  void begin(Database& database, const MapState& base);
+  void begin(Connection& database, const MapState& base);
   /// Goes on with what the file holds; false when it holds none.
-  bool load(Database& database);
+  bool load(Connection& database);
   /// Forgets everything: the drive is over.
-  void clear(Database& database);
+  void clear(Connection& database);
 
   /// To be called before a row changes or goes.
-  void keep(Database& database, const RowTable& table, std::uint64_t id);
-  void keepAll(Database& database, const RowTable& table);
+  void keep(Connection& database, const RowTable& table, std::uint64_t id);
+  void keepAll(Connection& database, const RowTable& table);
   /// The transaction that the last calls belong to was committed, or was not.
   void settle(bool committed);
 
   /// Brings all rows back to what they were. The records of images stay.
   /// Throws base::Error when the file holds nothing to go back to. Returns the state to go back to.
-  static MapState takeBack(Database& database);
+  static MapState takeBack(Connection& database);
 
  private:
   /// Rows from this number on are of this drive.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engram/apps/mqtt_stream.h"
 #include "engram/apps/pose_tracker.h"
 #include "engram/apps/result_stream.h"
 #include "engram/map/topological_map.h"
@@ -14,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace engram::apps {
 
@@ -40,12 +42,14 @@ class RunStream {
   bool failed() const { return failed_; }
 
  private:
-  void send(const std::string& line);
+  void send(const types::FrameReport& report, const std::optional<StreamPose>& pose);
 
-  std::string target_;
+  std::vector<std::string> targets_;
+  std::string target_;               // that is no broker
   std::ostream* notices_ = nullptr;  // none, or none any more
   bool failed_ = false;
   std::unique_ptr<ResultStream> stream_;
+  std::vector<std::unique_ptr<MqttStream>> brokers_;
   PoseTracker tracker_;
 };
 

@@ -12,6 +12,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace engram::pipeline {
@@ -47,6 +48,9 @@ class Pipeline {
   std::vector<map::DerivedRow> derived();
 
   const map::TopologicalMap& map() const;
+  /// A keeper of the map knows that these places are not the same ground, whatever they look like: no closure
+  /// joins them, nor places up to two edges from them. In maps of places.
+  void keepApart(std::vector<std::pair<base::PlaceId, base::PlaceId>> places);
   /// Keeps the true pose of a place, for evaluation.
   void survey(base::PlaceId place, const Eigen::Isometry3d& T_world_place);
   /// Hands over the map; the pipeline is not to be used again.

@@ -63,17 +63,22 @@ class DriveWriter {
   /// What was worked out of the map lies beside it from now on. To be called after end().
   void keep(std::span<const map::DerivedRow> rows);
 
+  /// Says where the drive goes on since the server of its map went away, and how to bring it back: a map file
+  /// in the current folder, with all that is known. Empty as long as the server is there.
+  std::string notice() const;
   /// After begin(), or for a map that exists.
   MapFile& file() { return *file_; }
 
  private:
   void openExisting(const types::Frame* first);
   void commit(const map::TopologicalMap& map, const types::FrameReport& report);
+  void write(const map::TopologicalMap& map, const types::FrameReport& report);
+  void goOnInSpool(const map::TopologicalMap& map, const types::FrameReport* report);
   void requireNew(std::uint32_t fingerprint) const;
 
-  std::string path_, source_;
+  std::string path_, source_, spool_;
   DriveOptions options_;
-  std::optional<WriterLock> lock_;  // until there is a file that holds it
+  std::optional<WriterLock> lock_;  // until there is a file that holds it; of a file alone
   std::optional<MapFile> file_;
   map::Cursor stored_;  // changes up to here are in the file
   map::MapHeader newHeader_;
@@ -82,6 +87,7 @@ class DriveWriter {
   bool resumes_ = false, complete_ = false;
   std::vector<types::FrameReport> recorded_;  // of the drive that is resumed
   std::uint64_t added_ = 0;
+  std::vector<Drive> drives_;  // of a map on a server, as far as it knows them
 };
 
 }  // namespace engram::store

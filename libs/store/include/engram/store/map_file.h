@@ -6,11 +6,13 @@
 #include "engram/map/topological_map.h"
 #include "engram/store/drive.h"
 #include "engram/store/feature_counts.h"
+#include "engram/store/whole_map.h"
 #include "engram/store/writer_lock.h"
 #include "engram/types/frame_report.h"
 
 #include <cstdint>
 #include <iosfwd>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -23,7 +25,8 @@ inline constexpr int kFormatVersion = 3;
 
 enum class Access { kReadOnly, kReadWrite };
 
-/// A map in one SQLite file. Every row carries a CRC-32, every commit is one transaction.
+/// A map in one SQLite file, or on a PostgreSQL server where `path` is `postgresql://host/db?map=name`: the
+/// same rows in the same tables. Every row carries a CRC-32, every commit is one transaction.
 ///
 /// One program at a time may write a map: create() and open() for writing take the WriterLock and keep it.
 /// While it writes, a file `<path>-wal` beside the map holds the latest commits: what was committed is there
@@ -37,6 +40,8 @@ class MapFile {
   /// The same with the lock that the program has held since its start.
   static MapFile create(WriterLock lock, const map::MapHeader& header, bool overwrite = false);
   static MapFile open(const std::string& path, Access access);
+  /// Whether there is something at a path, or a map at the address of a server.
+  static bool exists(const std::string& path);
 
   MapFile(MapFile&&) noexcept;
   MapFile& operator=(MapFile&&) noexcept;
@@ -86,6 +91,14 @@ class MapFile {
   FeatureCounts featureCounts() const;
   std::uint64_t recordCount() const;
   std::uint64_t viewCount() const;
+  /// What keepers have laid down, by name.
+  std::map<std::string, std::string> notes() const;
+  /// All that the map holds.
+  WholeMap whole() const;
+  /// Makes the map hold this and nothing else, in one transaction. Numbers that were used stay used. A drive
+  /// that was cut off cannot be resumed afterwards. Throws base::Error when it breaks a rule of maps.
+  void replace(const WholeMap& whole);
+
   /// The records of all images, in the order of the commits.
   std::vector<types::FrameReport> records() const;
 
@@ -96,7 +109,7 @@ class MapFile {
   /// left out.
   void dump(std::ostream& out) const;
 
-  /// Size on disk, with commits not yet folded in [bytes].
+  /// Size on disk, with commits not yet folded in; after close() that of the closed map [bytes].
   std::uint64_t bytes() const;
 
   /// Makes it one file again. The destructor does the same, but cannot report a failure.
