@@ -46,6 +46,7 @@ class SlamProgram : public Program {
   int truthMargin_ = 0;
   store::DriveOptions drive_;
   bool quiet_ = false;
+  bool acceptParameters_ = false;
 };
 
 }  // namespace engram::apps

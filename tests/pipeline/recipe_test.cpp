@@ -71,6 +71,10 @@ TEST(Recipe, ShippedConfigurationsAreTheSystemsOfTheirPapers) {
   EXPECT_EQ(nameOf("view_map"), "views");
   EXPECT_EQ(nameOf("visual_scans"), "scans");
   EXPECT_EQ(nameOf("paper_scans"), "scans");
+  EXPECT_EQ(nameOf("paper_fsh"), "fsh");
+  EXPECT_EQ(nameOf("paper_stm_ltm"), "multi_store");
+  EXPECT_EQ(nameOf("paper_words"), "words");
+  EXPECT_EQ(nameOf("paper_views"), "views");
 }
 
 TEST(Recipe, AKeyWithoutEffectIsRefusedWithFileLineSectionAndKey) {
@@ -107,6 +111,10 @@ INSTANTIATE_TEST_SUITE_P(
         Inert{"[belief]\nview_sigma_deg = 30\n", "[belief] view_sigma_deg", "[belief]\nadvance = odometry\n"},
         Inert{"[belief]\nfloor = 0.1\n", "[belief] floor", "[belief]\nlikelihood = gaussian\n"},
         Inert{"[appearance]\nevidence = 1\n", "[appearance] evidence", "[appearance]\nchannel = hog\n"},
+        Inert{"[belief]\nfilter = winner_takes_all\nteleport = 0.1\n", "[belief] teleport",
+              "[belief]\nfilter = bayes\n"},
+        Inert{"[memory]\ngate = none\n[recognise]\nlearn_after = 1\n", "[recognise] learn_after",
+              "[memory]\ngate = verified\n"},
         Inert{"[multi_store]\nstm_states = 2\n", "[multi_store] stm_states",
               "[memory]\nmemory = multi_store\n"},
         Inert{"[posegraph]\nduckett_tolerance = 0.001\n", "[posegraph] duckett_tolerance",
@@ -173,6 +181,10 @@ TEST(Recipe, CombinationsThatNoSystemHasAreRefused) {
   params.appearance.channel = "hog";
   params.place.keep_thumbnails = 32;
   EXPECT_THAT(refusal(params), HasSubstr("keep_thumbnails of 64 or more"));
+  params = engram::testing::tinyParams();
+  params.belief.filter = "winner_takes_all";
+  params.appearance.channel = "hog";
+  EXPECT_THAT(refusal(params), HasSubstr("winner_takes_all needs [appearance] channel = none"));
   params = engram::testing::tinyParams();
   params.mapping.nodes = "views";
   EXPECT_THAT(refusal(params), HasSubstr("both eyes of a stereo camera"));

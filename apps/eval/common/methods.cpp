@@ -21,6 +21,29 @@ Method multiStore(const pipeline::PipelineParams& pipeline, int shortTerm, int l
   return method;
 }
 
+/// F-15 so that the votes decide, not the floor (F-E10): new features by the rank of their response, every
+/// sighting nearly a whole vote, and a floor of a few tens. A feature is long-term when it was seen in about
+/// this share of the updates.
+Method voting(const std::string& name, const pipeline::PipelineParams& pipeline, double threshold,
+              double decay) {
+  Method method = memoryMethod(name, pipeline, "fsh");
+  memory::FshParams& fsh = method.params.fsh;
+  fsh.new_vote = "rank";
+  fsh.vote_variance = "fixed";
+  fsh.fixed_sigma = 0.5;
+  fsh.ltm_threshold = threshold;
+  fsh.ltm_min_features = 40;
+  fsh.decay = decay;
+  return method;
+}
+
+/// F algorithm 2 as printed (F-E16).
+Method ungated(const pipeline::PipelineParams& pipeline) {
+  Method method = memoryMethod("fsh_ungated", pipeline, "fsh");
+  method.params.memory.gate = "none";
+  return method;
+}
+
 }  // namespace
 
 std::vector<Method> comparedMethods(const pipeline::PipelineParams& pipeline, int bowWords) {
@@ -33,6 +56,11 @@ std::vector<Method> comparedMethods(const pipeline::PipelineParams& pipeline, in
                               memoryMethod("replace", pipeline, "replace"),
                               memoryMethod("fsh_learned", pipeline, "fsh")};
   methods.back().params.fsh.thresholds = "learned";
+  methods.push_back(voting("fsh_votes_0.7", pipeline, 0.7, 1));
+  methods.push_back(voting("fsh_votes_0.3", pipeline, 0.3, 1));
+  methods.push_back(voting("fsh_votes_0.3_decay", pipeline, 0.3, 0.8));
+  methods.push_back(voting("fsh_votes_0.1", pipeline, 0.1, 1));
+  methods.push_back(ungated(pipeline));
   return methods;
 }
 

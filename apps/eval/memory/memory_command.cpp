@@ -3,6 +3,7 @@
 #include "memory/memory_command.h"
 
 #include "common/methods.h"
+#include "engram/pipeline/perception.h"
 
 #include <algorithm>
 
@@ -97,7 +98,11 @@ void MemoryCommand::configure(base::Config& config) {
   pipeline_.bind(config);
 }
 
-void MemoryCommand::check() { methods_ = chosen(comparedMethods(pipeline_, lab_.bow_words), names_); }
+void MemoryCommand::check() {
+  const world::Eyes eyes = world::presetEyes("omni");
+  pipeline_.verify = pipeline::withOptics(pipeline_.verify, &eyes.left);
+  methods_ = chosen(comparedMethods(pipeline_, lab_.bow_words), names_);
+}
 
 Findings MemoryCommand::measure(const Workplace& place, const std::string& settings) {
   MemoryLab lab(lab_, pipeline_, place);
