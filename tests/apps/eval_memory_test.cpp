@@ -8,6 +8,7 @@
 #include "make_features.h"
 #include "memory/lab_figures.h"
 #include "memory/method_run_file.h"
+#include "memory/paper_findings.h"
 #include "program_run.h"
 
 #include <gmock/gmock.h>
@@ -17,6 +18,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <numeric>
 #include <set>
 #include <sstream>
@@ -104,6 +106,48 @@ TEST(LabFigures, AdvantageIsTheDifferenceOnTheSameImages) {
   ASSERT_EQ(advantages.size(), 1u);
   EXPECT_EQ(advantages[0].over, "bad");
   EXPECT_DOUBLE_EQ(advantages[0].share.value, 5.0 / 12);
+}
+
+/// F-28: errors that fall, stay or rise are told apart, and an update too early or too late.
+TEST(PaperFindings, AreFoundWhereTheCurvesHaveThemAndNowhereElse) {
+  const auto curve = [](const std::string& method, const std::string& condition,
+                        const std::vector<double>& errors) {
+    std::vector<LabFigure> figures;
+    for (const double error : errors) {
+      LabFigure f;
+      f.method = method;
+      f.condition = condition;
+      f.update = static_cast<int>(figures.size()) + 1;
+      f.error.value = error;
+      f.globalSuccess.value = 0.8;
+      f.localSuccess.value = 0.9;
+      f.bytesPerPlace = method == "bow_80" ? 840 : 100;
+      figures.push_back(f);
+    }
+    return figures;
+  };
+  const auto asked = [](const std::vector<std::vector<LabFigure>>& curves) {
+    std::vector<LabFigure> all;
+    for (const auto& c : curves) all.insert(all.end(), c.begin(), c.end());
+    std::map<std::string, bool> found;
+    for (const auto& f : paperFindings(all)) found[f.claim] = f.found;
+    return found;
+  };
+  const auto paper = asked({curve("fsh", "clean", {2, 1.8, 1.5, 1.2, 1, 1, 1, 0.9}),
+                            curve("fsh", "noise", {3, 3.1, 2.5, 2, 2, 2, 2, 1.9}),
+                            curve("multi_store_4_5", "clean", {2, 2.1, 2.2, 2.3, 1.8, 1.7, 1.6, 1.5}),
+                            curve("bow_80", "clean", {2, 2, 2, 2.4, 2.6, 2.3, 2, 2})});
+  EXPECT_EQ(paper.size(), 9u);
+  for (const auto& [claim, found] : paper) EXPECT_TRUE(found) << claim;
+  const auto other = asked({curve("fsh", "clean", {1, 1.8, 1.5, 1.2, 1, 1, 1, 3}),
+                            curve("fsh", "noise", {3, 3.1, 2.5, 2, 2, 2, 2, 4}),
+                            curve("multi_store_4_5", "clean", {2, 1.9, 1.8, 1.7, 1.6, 1.7, 1.6, 1.5}),
+                            curve("bow_80", "clean", {2, 2, 2, 1.9, 1.8, 1.7, 1.6, 1.5})});
+  EXPECT_EQ(other.size(), 9u);
+  int found = 0;
+  for (const auto& [claim, is] : other) found += is;
+  EXPECT_EQ(found, 2) << "that local answers recover, and the bytes";
+  EXPECT_TRUE(asked({curve("replace", "clean", {1, 2})}).empty());
 }
 
 TEST(Methods, AreTheOnesThatThePapersCompare) {

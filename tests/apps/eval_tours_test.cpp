@@ -336,7 +336,9 @@ TEST_F(ToursTest, QuickRunWritesWholeFigures) {
     inTheRoom.insert(f.at("method").get<std::string>());
     EXPECT_EQ(f.at("images"), 11);  // 12 with --quick, less the reference view
     EXPECT_GT(f.at("mean_matched").get<double>(), 0);
-    if (f.at("method") == "static") EXPECT_EQ(f.at("mean_ltm"), 600);
+    if (f.at("method") == "static") {
+      EXPECT_EQ(f.at("mean_ltm"), 600);
+    }
   }
   EXPECT_EQ(inTheRoom, methods);
   const std::string csv = read("one/tours.csv");

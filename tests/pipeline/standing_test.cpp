@@ -60,7 +60,9 @@ TEST(Standing, WithABoundOfSimilarityTheImageIsAskedBesideTheWheels) {
       frame.T_odom_robot = Eigen::Isometry3d(Eigen::Translation3d(0.6 * i, 0, 0));
       const auto report = mapper.process(frame);
       taken += report.outcome != types::Outcome::kSkipped;
-      if (i == 2 && bound < 1) EXPECT_EQ(report.reason, "the image is too similar to the last one");
+      if (i == 2 && bound < 1) {
+        EXPECT_EQ(report.reason, "the image is too similar to the last one");
+      }
     }
     EXPECT_EQ(taken, bound < 1 ? 2 : 6);
   }

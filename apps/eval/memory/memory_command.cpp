@@ -4,6 +4,7 @@
 
 #include "common/methods.h"
 #include "engram/pipeline/perception.h"
+#include "memory/paper_findings.h"
 
 #include <algorithm>
 
@@ -46,6 +47,7 @@ std::string summaryOf(const MemoryReport& report) {
   std::string text = line("After update %d, %% within %.2f places [95 %% interval]:\n", report.lab.updates,
                           kSuccessDistance);
   text += tableOf(last).toText();
+  text += tableOf(paperFindings(report.figures)).toText();
   if (!report.staticPlaces.empty()) text += toText(report.staticPlaces);
   return text;
 }
@@ -59,6 +61,7 @@ Findings findingsOf(const MemoryReport& report) {
                       {"results", tableOf(report.figures).toJson()},
                       {"sweeps", tableOf(report.swept).toJson()},
                       {"advantages", tableOf(report.advantages).toJson()},
+                      {"findings", tableOf(paperFindings(report.figures)).toJson()},
                       {"static_place", tableOf(report.staticPlaces).toJson()}};
   findings.summary = summaryOf(report);
   findings.report = "report.html";

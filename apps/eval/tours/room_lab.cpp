@@ -86,7 +86,8 @@ std::vector<types::Features> roomViews(const world::World& world, const RoomPara
 
 RoomResult oneMemory(const std::vector<types::Features>& views, const Method& method,
                      const RoomParams& params) {
-  RoomResult result{.method = method.name};
+  RoomResult result;
+  result.method = method.name;
   TourMemory memory(method.params, {views.front()}, true);
   std::vector<evaluation::BlockSample> samples;
   double sum = 0, squares = 0;
