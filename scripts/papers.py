@@ -28,7 +28,7 @@ def reduced(value):
         return {k: reduced(v) for k, v in value.items() if not is_bulky(v)}
     if isinstance(value, list):
         return [reduced(v) for v in value]
-    if isinstance(value, float) and math.isfinite(value):
+    if isinstance(value, float) and math.isfinite(value):  # neither infinite nor unknown
         return float(f"{value:.5g}")
     return value
 
@@ -37,8 +37,22 @@ def is_bulky(value):
     return isinstance(value, list) and len(value) > BULKY and not isinstance(value[0], dict)
 
 
+def of_the_ends(rows):
+    """Of the experiment `memory`: the first and the last update, and what the page shows of them."""
+    last = max(r["update"] for r in rows)
+    shown = ("method", "condition", "update", "global_success", "local_success", "mean_error", "bytes_per_place")
+    return [
+        {k: v for k, v in r.items() if k.removesuffix("_95") in shown} for r in rows if r["update"] in (1, last)
+    ]
+
+
 def keep(name, result, command):
-    figures = reduced(json.loads(Path(result).read_text()))
+    figures = json.loads(Path(result).read_text())
+    if "sweeps" in figures:
+        figures["results"] = of_the_ends(figures["results"])
+        figures["sweeps"] = of_the_ends(figures["sweeps"]) if figures["sweeps"] else []
+        figures.pop("advantages", None)
+    figures = reduced(figures)
     text = json.dumps({"command": command, "figures": figures}, indent=1, sort_keys=True)
     (KEPT / f"{name}.json").write_text(text + "\n")
 
@@ -77,12 +91,18 @@ def share(of, key, decimals=1):
     return ranged(of, key, decimals, 100)
 
 
+def lines(rows, *cells):
+    """Lines of a table: each cell is a function of the row."""
+    return "\n".join("| " + " | ".join(str(cell(r)) for cell in cells) + " |" for r in rows)
+
+
 def page():
     names = {path.stem: kept(path) for path in KEPT.glob("*.json")}
-    names.update(row=row, number=number, pct=pct, ranged=ranged, share=share)
+    names.update(lines=lines, number=number, pct=pct, ranged=ranged, row=row, share=share)
+    names["__builtins__"] = {"len": len, "max": max, "min": min, "sum": sum}
 
     def filled(match):
-        return str(eval(match.group(1), {"__builtins__": {"abs": abs, "len": len, "max": max, "min": min, "sum": sum}}, names))
+        return str(eval(match.group(1), names))
 
     return re.sub(r"\{\{(.+?)\}\}", filled, (KEPT / "page.md").read_text())
 

@@ -7,7 +7,7 @@ ENGRAM_PACKAGES=(
   build-essential cmake ninja-build ccache pkg-config git
   libmrpt-dev mrpt-common libopencv-dev libeigen3-dev libceres-dev libsqlite3-dev zlib1g-dev libjpeg-dev
   libcli11-dev nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev
-  libaravis-dev libusb-1.0-0-dev aravis-tools libglfw3-dev xvfb help2man
+  libaravis-dev libusb-1.0-0-dev aravis-tools libglfw3-dev xvfb help2man python3
 )
 
 engram_install_packages() {

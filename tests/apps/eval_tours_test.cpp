@@ -211,7 +211,9 @@ TEST(Room, StoresFollowTheRoomAndAStaticViewDoesNot) {
   const types::Features before = view(range(0, 60)), after = view(joined(range(0, 30), range(100, 130)));
   std::vector<types::Features> views(11, before);
   views.insert(views.end(), 20, after);
-  const auto results = roomResults(views, touredMethods({}), {}, 1);
+  pipeline::PipelineParams params;
+  params.match.max_distance = 0.3;  // no match by accident
+  const auto results = roomResults(views, touredMethods(params), {}, 1);
   const auto of = [&](const std::string& method) {
     return *std::find_if(results.begin(), results.end(), [&](const auto& r) { return r.method == method; });
   };

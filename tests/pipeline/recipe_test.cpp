@@ -111,10 +111,6 @@ INSTANTIATE_TEST_SUITE_P(
         Inert{"[belief]\nview_sigma_deg = 30\n", "[belief] view_sigma_deg", "[belief]\nadvance = odometry\n"},
         Inert{"[belief]\nfloor = 0.1\n", "[belief] floor", "[belief]\nlikelihood = gaussian\n"},
         Inert{"[appearance]\nevidence = 1\n", "[appearance] evidence", "[appearance]\nchannel = hog\n"},
-        Inert{"[belief]\nfilter = winner_takes_all\nteleport = 0.1\n", "[belief] teleport",
-              "[belief]\nfilter = bayes\n"},
-        Inert{"[memory]\ngate = none\n[recognise]\nlearn_after = 1\n", "[recognise] learn_after",
-              "[memory]\ngate = verified\n"},
         Inert{"[multi_store]\nstm_states = 2\n", "[multi_store] stm_states",
               "[memory]\nmemory = multi_store\n"},
         Inert{"[posegraph]\nduckett_tolerance = 0.001\n", "[posegraph] duckett_tolerance",
@@ -123,6 +119,16 @@ INSTANTIATE_TEST_SUITE_P(
         Inert{"[upkeep]\nupkeep = lru_views\n", "[upkeep] upkeep", kViewMap},
         Inert{"[upkeep]\nmax_views = 5\n", "[upkeep] max_views",
               "[mapping]\nnodes = views\n[upkeep]\nupkeep = lru_views\n"}));
+
+TEST(Recipe, AWinnerAndAnOpenGateMakeKeysIneffective) {
+  for (const std::string text : {"teleport = 0.1\n", "advance = none\n", "sigma_hops = 1\n"}) {
+    EXPECT_THAT(complaint("[belief]\n" + text), IsEmpty()) << text;
+    EXPECT_THAT(complaint("[belief]\nfilter = winner_takes_all\n" + text), HasSubstr("by itself")) << text;
+  }
+  const std::string lesson = "[recognise]\nlearn_after = 2\n";
+  EXPECT_THAT(complaint(lesson), IsEmpty());
+  EXPECT_THAT(complaint("[memory]\ngate = none\n" + lesson), HasSubstr("learns every image at once"));
+}
 
 /// The other way round: what maps of views do not look at.
 TEST(Recipe, KeysOfPlacesHaveNoEffectOnViews) {
