@@ -209,6 +209,32 @@ TEST_F(MemoryLabTest, WritesEveryFigure) {
   EXPECT_EQ(page.find("<script"), std::string::npos);
 }
 
+/// Every figure counted once more from the single answers, image by image.
+TEST_F(MemoryLabTest, FiguresAreThoseOfTheSingleAnswers) {
+  ASSERT_EQ(first_->code, kOk) << first_->err;
+  constexpr std::size_t kLength = 5;  // images of a sequence with --quick
+  const auto json = nlohmann::json::parse(read("one.json"));
+  int compared = 0;
+  for (const char* method : {"fsh", "bow_80", "static"})
+    for (const Cell& cell : readMethodRun(path(std::string("one/runs/") + method + ".json")).cells) {
+      ASSERT_EQ(cell.interpolated.size(), 20 * kLength);
+      double first = 0, later = 0, sum = 0;
+      for (std::size_t i = 0; i < cell.interpolated.size(); ++i) {
+        (i % kLength == 0 ? first : later) += cell.interpolated[i] <= 1.25f;
+        sum += cell.interpolated[i];
+      }
+      for (const auto& r : json.at("results")) {
+        if (r.at("method") != method || r.at("condition") != cell.condition || r.at("update") != cell.update)
+          continue;
+        EXPECT_NEAR(r.at("global_success").get<double>(), first / 20, 1e-9);
+        EXPECT_NEAR(r.at("local_success").get<double>(), later / 80, 1e-9);
+        EXPECT_NEAR(r.at("mean_error").get<double>(), sum / 100, 1e-6);
+        ++compared;
+      }
+    }
+  EXPECT_EQ(compared, 24);
+}
+
 TEST_F(MemoryLabTest, StaticPlacesNeverChangeAndLearningOnesDo) {
   const MethodRun fixed = readMethodRun(path("one/runs/static.json"));
   EXPECT_EQ(fixed.updates[0].holdings.bytesPerPlace, fixed.updates[1].holdings.bytesPerPlace);
