@@ -109,7 +109,7 @@ RoomResult oneMemory(const std::vector<types::Features>& views, const Method& me
   return result;
 }
 
-double meanOf(const std::vector<int>& values) {
+double meanCount(const std::vector<int>& values) {
   double sum = 0;
   for (const int v : values) sum += v;
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
@@ -162,11 +162,11 @@ ResultTable tableOf(const std::vector<RoomResult>& results) {
       .page("points matched", fixed(1), charts::Best::kLargest)
       .text("points matched", 22, fixed(1));
   c.add("sd_matched", &R::sigma).json().page("their deviation", fixed(1)).text("deviation", 11, fixed(1));
-  c.add("mean_ltm", [](const R& r) { return meanOf(r.longTerm); })
+  c.add("mean_ltm", [](const R& r) { return meanCount(r.longTerm); })
       .json()
       .page("long-term", fixed(0))
       .text("long-term", 11, fixed(0));
-  c.add("mean_stm", [](const R& r) { return meanOf(r.shortTerm); })
+  c.add("mean_stm", [](const R& r) { return meanCount(r.shortTerm); })
       .json()
       .page("short-term", fixed(0))
       .text("short-term", 12, fixed(0));
