@@ -19,6 +19,9 @@ endfunction()
 function(engram_target_defaults target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  # Headers of std, Eigen and OpenCV cost most of the time: a few sources of a target share them. Names in unnamed
+  # namespaces must therefore be unique within a target.
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${ENGRAM_UNITY} UNITY_BUILD_BATCH_SIZE 6)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
   if(ENGRAM_WERROR)
     target_compile_options(${target} PRIVATE -Werror)

@@ -7,6 +7,7 @@
 #include "engram/cameras/rectifier.h"
 #include "engram/odometry/stereo_check.h"
 #include "engram/sources/rawlog_source.h"
+#include "engram/types/size_text.h"
 #include "rawlog_program.h"
 
 #include <nlohmann/json.hpp>
@@ -18,8 +19,6 @@
 
 namespace engram::apps {
 namespace {
-
-std::string sizeText(cv::Size size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
 std::string fixed(double value, int digits) {
   char text[64];
@@ -34,7 +33,7 @@ struct ImageSummary {
   double first = 0.0, last = 0.0;
 
   void add(const types::Frame& frame) {
-    ++sizes[sizeText(frame.image.size())];
+    ++sizes[types::sizeText(frame.image.size())];
     stereo += frame.right.empty() ? 0 : 1;
     grey += frame.image.channels() == 1 ? 1 : 0;
     withOdometry += frame.T_odom_robot ? 1 : 0;

@@ -3,6 +3,7 @@
 #include "reprojector.h"
 
 #include "engram/base/error.h"
+#include "engram/types/size_text.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -15,8 +16,6 @@ namespace {
 constexpr int kBorder = 2;  // columns repeated beyond the seam of a panorama, for interpolation across it
 constexpr int kMaxFactor = 6;
 constexpr double kShare = 0.9;  // of the pixels that must be sampled finely enough
-
-std::string sizeText(cv::Size size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
 Eigen::Matrix3d turn(double heading) {
   return Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -69,8 +68,8 @@ void Reprojector::castRays() {
 
 cv::Mat Reprojector::operator()(const cv::Mat& image, double heading) const {
   if (image.size() != from_.camera->imageSize())
-    throw base::Error("an image of " + sizeText(image.size()) + " pixels, but its camera has " +
-                      sizeText(from_.camera->imageSize()));
+    throw base::Error("an image of " + types::sizeText(image.size()) + " pixels, but its camera has " +
+                      types::sizeText(from_.camera->imageSize()));
   const Eigen::Matrix3d R = from_.T_robot_cam.linear().transpose() * turn(heading);
   const int border = wraps_ ? kBorder : 0;
   cv::Mat map(fine_, CV_32FC2);

@@ -16,7 +16,7 @@
 #include <fstream>
 #include <numbers>
 
-namespace engram::apps {
+namespace engram::apps::stereo_calibration {
 namespace {
 
 using ::testing::HasSubstr;
@@ -192,4 +192,4 @@ TEST_F(StereoCalibrate, MistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace engram::apps
+}  // namespace engram::apps::stereo_calibration

@@ -12,7 +12,7 @@
 #include <iterator>
 #include <unistd.h>
 
-namespace engram::base {
+namespace engram::base::line_file {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,4 +80,4 @@ TEST_F(LineFileTest, AFullDiskIsSaidAndDoesNotThrow) {
 }
 
 }  // namespace
-}  // namespace engram::base
+}  // namespace engram::base::line_file

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <functional>
 
-namespace engram::belief {
+namespace engram::belief::learned_advance {
 namespace {
 
 constexpr int kPlaces = 120;
@@ -155,4 +155,4 @@ TEST(LearnedAdvance, FindsTheStepAndForgetsIt) {
 }
 
 }  // namespace
-}  // namespace engram::belief
+}  // namespace engram::belief::learned_advance

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace engram::cameras {
+namespace engram::cameras::camera_truth {
 namespace {
 
 constexpr ImagePlaneParams kPlane{.fx = 150,
@@ -165,4 +165,4 @@ TEST(Equirectangular, AxesAreWhereTheHeaderSays) {
 }
 
 }  // namespace
-}  // namespace engram::cameras
+}  // namespace engram::cameras::camera_truth

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-namespace engram::cameras {
+namespace engram::cameras::lifting {
 namespace {
 
 const std::string kShare = std::string(ENGRAM_SOURCE_DIR) + "/share/cameras/";
@@ -88,4 +88,4 @@ TEST(ErodedMask, KeepsWhatIsFartherThanTheRadius) {
 }
 
 }  // namespace
-}  // namespace engram::cameras
+}  // namespace engram::cameras::lifting

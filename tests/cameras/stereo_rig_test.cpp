@@ -16,7 +16,7 @@
 
 #include <functional>
 
-namespace engram::cameras {
+namespace engram::cameras::stereo_rig {
 namespace {
 
 using testing::AllOf;
@@ -196,4 +196,4 @@ TEST(Rectifier, RefusesWhatCannotBeRectified) {
 }
 
 }  // namespace
-}  // namespace engram::cameras
+}  // namespace engram::cameras::stereo_rig

@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace engram::evaluation {
+namespace engram::evaluation::truth_match {
 namespace {
 
 using ::testing::AllOf;
@@ -112,4 +112,4 @@ TEST(TruthMatch, PosesGoByTheirStamps) {
 }
 
 }  // namespace
-}  // namespace engram::evaluation
+}  // namespace engram::evaluation::truth_match

@@ -12,7 +12,7 @@
 #include <array>
 #include <set>
 
-namespace engram::map {
+namespace engram::map::journal {
 namespace {
 
 using engram::testing::planarPose;
@@ -160,4 +160,4 @@ TEST(Parts, WeakEdgesGoOnceBothSidesAreJoined) {
 }
 
 }  // namespace
-}  // namespace engram::map
+}  // namespace engram::map::journal

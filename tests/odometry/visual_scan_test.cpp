@@ -116,6 +116,7 @@ TEST(MatchScans, LooksWhereThePointsAreExpected) {
 
 /// V-E1: the window is as wide in directions wherever it is in the image.
 TEST(MatchScans, WindowsAreAnglesOfTheCamera) {
+  constexpr double kRadians = M_PI / 180;
   base::Rng rng(6);
   const auto scanOf = [&rng](double yaw, double pitch) {  // a point 3 m off in this direction
     const Eigen::Vector3d ray(std::tan(yaw), std::tan(pitch), 1);
@@ -124,13 +125,12 @@ TEST(MatchScans, WindowsAreAnglesOfTheCamera) {
     scan.ranges = {types::rangeOf(points[0], kModel)};
     return scan;
   };
-  constexpr double kDegree = M_PI / 180;
   const Eigen::Isometry3d still = Eigen::Isometry3d::Identity();
   for (const double yaw : {0.0, 20.0, -30.0})
     for (const double pitch : {0.0, 15.0}) {
-      const auto a = scanOf(yaw * kDegree, pitch * kDegree);
+      const auto a = scanOf(yaw * kRadians, pitch * kRadians);
       const auto found = [&](double right, double down) {
-        const auto b = scanOf((yaw + right) * kDegree, (pitch + down) * kDegree);
+        const auto b = scanOf((yaw + right) * kRadians, (pitch + down) * kRadians);
         return matchScans(a, b, still, kModel).size();
       };
       EXPECT_EQ(found(7.95, 0) + found(-7.95, 0) + found(0, 2.95) + found(0, -2.95), 4U)

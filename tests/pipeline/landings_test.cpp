@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace engram::pipeline {
+namespace engram::pipeline::landings_test {
 namespace {
 
 Eigen::Isometry3d pose(double x, double y, double heading) {
@@ -51,4 +51,4 @@ TEST(Landings, WhatIsClearedCountsNoMore) {
 }
 
 }  // namespace
-}  // namespace engram::pipeline
+}  // namespace engram::pipeline::landings_test

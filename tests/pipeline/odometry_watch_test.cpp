@@ -6,7 +6,7 @@
 
 #include <functional>
 
-namespace engram::pipeline {
+namespace engram::pipeline::watch_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -114,4 +114,4 @@ TEST(OdometryWatch, WheelsThatStandWhileImagesMoveAreDead) {
 }
 
 }  // namespace
-}  // namespace engram::pipeline
+}  // namespace engram::pipeline::watch_test

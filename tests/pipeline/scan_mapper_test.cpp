@@ -13,7 +13,7 @@
 #include <cstdio>
 #include <sstream>
 
-namespace engram::pipeline {
+namespace engram::pipeline::scans {
 namespace {
 
 using engram::testing::DriveFrames;
@@ -284,4 +284,4 @@ TEST(ScanMapper, RefusesWhatDoesNotSuitScans) {
 }
 
 }  // namespace
-}  // namespace engram::pipeline
+}  // namespace engram::pipeline::scans

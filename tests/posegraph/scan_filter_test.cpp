@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-namespace engram::posegraph {
+namespace engram::posegraph::scan_filter {
 namespace {
 
 using Eigen::Isometry3d;
@@ -326,4 +326,4 @@ TEST(JointCovariance, IsThatOfAChain) {
 }
 
 }  // namespace
-}  // namespace engram::posegraph
+}  // namespace engram::posegraph::scan_filter

@@ -12,7 +12,7 @@
 #include <fstream>
 #include <functional>
 
-namespace engram::sources::test {
+namespace engram::sources::test::image_pairs {
 namespace {
 
 using ::testing::HasSubstr;
@@ -93,4 +93,4 @@ TEST(StampInName, UnixTimeInAllItsUnits) {
 }
 
 }  // namespace
-}  // namespace engram::sources::test
+}  // namespace engram::sources::test::image_pairs

@@ -15,7 +15,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace engram::upkeep {
+namespace engram::upkeep::lru {
 namespace {
 
 using ::testing::ElementsAre;
@@ -296,4 +296,4 @@ TEST(LruLaw, TheOrderOfTheViewsDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace engram::upkeep
+}  // namespace engram::upkeep::lru

@@ -19,16 +19,16 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::ThrowsMessage;
 
-constexpr int kFeatures = 300;
+constexpr int kPerPlace = 300;
 
 PlaceId addView(TopologicalMap& map, const Eigen::Isometry3d& T_map_place, double stamp) {
   map::Place place;
   place.T_map_place = T_map_place;
   place.createdStamp = stamp;
-  place.memory.features.keypoints.resize(kFeatures);
+  place.memory.features.keypoints.resize(kPerPlace);
   place.memory.features.descriptors = types::Descriptors(types::DescriptorKind::kInt8, 4);
-  place.memory.features.descriptors.resize(kFeatures);
-  place.memory.states.resize(kFeatures);
+  place.memory.features.descriptors.resize(kPerPlace);
+  place.memory.states.resize(kPerPlace);
   for (auto& state : place.memory.states) state.id = place.memory.nextFeatureId++;
   const PlaceId id = map.addPlace(std::move(place));
   map.addView({.place = id, .stamp = stamp});

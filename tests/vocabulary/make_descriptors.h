@@ -5,6 +5,8 @@
 #include "engram/base/rng.h"
 #include "engram/types/features.h"
 
+#include <gtest/gtest.h>
+
 #include <bit>
 #include <cmath>
 #include <span>
@@ -96,6 +98,12 @@ inline double distanceOf(const types::Descriptors& a, std::size_t i, const types
     sum += difference * difference;
   }
   return std::sqrt(sum);
+}
+
+/// Name of a test that is made for each kind of descriptor.
+inline std::string kindName(const testing::TestParamInfo<types::DescriptorKind>& test) {
+  const char* names[] = {"Float", "Int8", "Binary"};
+  return names[static_cast<std::size_t>(test.param)];
 }
 
 }  // namespace engram::vocabulary

@@ -12,7 +12,7 @@
 #include <map>
 #include <stdexcept>
 
-namespace engram::vocabulary {
+namespace engram::vocabulary::dictionary {
 namespace {
 
 using base::WordId;
@@ -246,4 +246,4 @@ TEST(WordParams, ReadsItsOwnDump) {
 }
 
 }  // namespace
-}  // namespace engram::vocabulary
+}  // namespace engram::vocabulary::dictionary

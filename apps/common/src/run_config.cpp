@@ -7,6 +7,7 @@
 #include "engram/cameras/camera_import.h"
 #include "engram/capture/sensor_reader.h"
 #include "engram/store/map_file.h"
+#include "engram/types/size_text.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -22,14 +23,13 @@ bool isSimulatorsCamera(const std::string& file) {
   return path.parent_path().filename() == "cameras" && path.filename().string().ends_with("_world.ini");
 }
 
-std::string sizeText(cv::Size size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
-
 void requireSimulatorsSize(const std::string& file, cv::Size images, const std::string& input) {
   const cv::Size size = cameras::loadCamera(file).camera->imageSize();
   if (images == size) return;
   throw base::Error(
-      input + ": the images are " + sizeText(images) + ", and the configuration has the camera of the " +
-      "simulator, " + file + " of " + sizeText(size) + ". Give the calibration of your camera with " +
+      input + ": the images are " + types::sizeText(images) +
+      ", and the configuration has the camera of the " + "simulator, " + file + " of " +
+      types::sizeText(size) + ". Give the calibration of your camera with " +
       "--camera FILE (`engram-rawlog calibrate` makes one), or take fsh_mono, which needs none");
 }
 

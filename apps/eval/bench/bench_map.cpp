@@ -21,7 +21,7 @@ namespace engram::apps {
 namespace {
 
 constexpr std::size_t kRow = 50;      // places before the way turns back
-constexpr double kEdgeSigma = 0.05;   // [m] and [rad]
+constexpr double kStepSigma = 0.05;   // [m] and [rad]
 constexpr std::size_t kAtOnce = 256;  // places between two looks at Ctrl-C
 
 Eigen::Isometry3d poseOf(std::size_t i, double spacing) {
@@ -64,7 +64,7 @@ void add(map::TopologicalMap& map, Made made, const memory::MemoryModel& model, 
   if (i == 0) return;
   map::Edge edge{.a = base::PlaceId(id.value - 1), .b = id};
   edge.T_a_b.T_a_b = poseOf(i - 1, spacing).inverse() * T_map_here;
-  edge.T_a_b.cov = types::Matrix6d::Identity() * (kEdgeSigma * kEdgeSigma);
+  edge.T_a_b.cov = types::Matrix6d::Identity() * (kStepSigma * kStepSigma);
   map.addEdge(std::move(edge));
 }
 

@@ -28,7 +28,7 @@ std::vector<BlockSample> samplesOf(const std::vector<float>& errors, const std::
 }
 
 double succeeded(double error) { return error <= kSuccessDistance ? 1.0 : 0.0; }
-double itself(double error) { return error; }
+double asMeasured(double error) { return error; }
 
 LabFigure figureOf(const MethodRun& run, const Cell& cell, const std::vector<Sequence>& sequences,
                    int length) {
@@ -36,7 +36,7 @@ LabFigure figureOf(const MethodRun& run, const Cell& cell, const std::vector<Seq
     return evaluation::blockBootstrapShare(samplesOf(errors, sequences, length, part, succeeded));
   };
   const auto mean = [&](Part part) {
-    return evaluation::blockBootstrapMean(samplesOf(cell.interpolated, sequences, length, part, itself));
+    return evaluation::blockBootstrapMean(samplesOf(cell.interpolated, sequences, length, part, asMeasured));
   };
   LabFigure f;
   f.method = run.method;

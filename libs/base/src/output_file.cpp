@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr int kMaxLinks = 40;  // as the kernel's
 constexpr std::size_t kMaxName = 255;
 
-[[noreturn]] void fail(const std::string& path, const std::string& reason) {
+[[noreturn]] void cannotWrite(const std::string& path, const std::string& reason) {
   throw Error("cannot write '" + path + "': " + reason);
 }
 
@@ -44,7 +44,7 @@ void refusePlantedLink(const fs::path& link, const struct stat& status, const st
   if (::stat(folderOf(link).c_str(), &folder) != 0) return;
   constexpr mode_t kOfAll = S_ISVTX | S_IWOTH;
   if ((folder.st_mode & kOfAll) == kOfAll && status.st_uid != ::geteuid() && status.st_uid != folder.st_uid)
-    fail(path, "'" + link.string() + "' is a link that another user has put into a folder of all");
+    cannotWrite(path, "'" + link.string() + "' is a link that another user has put into a folder of all");
 }
 
 /// The path at the end of a chain of links, whether there is something or not.
@@ -56,10 +56,10 @@ std::string followLinks(const std::string& path) {
     refusePlantedLink(at, status, path);
     std::error_code error;
     const fs::path to = fs::read_symlink(at, error);
-    if (error) fail(path, error.message());
+    if (error) cannotWrite(path, error.message());
     at = to.is_absolute() ? to : at.parent_path() / to;
   }
-  fail(path, std::strerror(ELOOP));
+  cannotWrite(path, std::strerror(ELOOP));
 }
 
 bool isSameFile(const struct stat& a, const struct stat& b) {
@@ -69,7 +69,8 @@ bool isSameFile(const struct stat& a, const struct stat& b) {
 void requireFolder(const std::string& path, const fs::path& file) {
   const fs::path folder = fs::absolute(file).parent_path();
   std::error_code ignored;
-  if (!fs::is_directory(folder, ignored)) fail(path, "folder '" + folder.string() + "' does not exist");
+  if (!fs::is_directory(folder, ignored))
+    cannotWrite(path, "folder '" + folder.string() + "' does not exist");
 }
 
 Target newTarget(const std::string& path) {
@@ -83,12 +84,12 @@ Target targetOf(const std::string& path, bool overwrite) {
   if (path == kStandardOutput) return {"", std::nullopt, STDOUT_FILENO};
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) {
-    if (errno != ENOENT) fail(path, std::strerror(errno));
+    if (errno != ENOENT) cannotWrite(path, std::strerror(errno));
     return newTarget(path);
   }
-  if (S_ISDIR(status.st_mode)) fail(path, "it is a folder");
-  if (S_ISSOCK(status.st_mode)) fail(path, "it is a socket");
-  if (S_ISBLK(status.st_mode)) fail(path, "it is a disk");
+  if (S_ISDIR(status.st_mode)) cannotWrite(path, "it is a folder");
+  if (S_ISSOCK(status.st_mode)) cannotWrite(path, "it is a socket");
+  if (S_ISBLK(status.st_mode)) cannotWrite(path, "it is a disk");
   if (!S_ISREG(status.st_mode)) return {};
   for (const int standard : {STDOUT_FILENO, STDERR_FILENO})
     if (struct stat own{}; ::fstat(standard, &own) == 0 && isSameFile(own, status))
@@ -97,14 +98,14 @@ Target targetOf(const std::string& path, bool overwrite) {
   Target target{followLinks(path), status.st_mode, -1};
   struct stat end {};
   if (::stat(target.file.c_str(), &end) != 0 || !isSameFile(end, status))
-    fail(path, "its link leads nowhere");
+    cannotWrite(path, "its link leads nowhere");
   return target;
 }
 
 /// The last bytes of the name stay, as some writers choose the format by its ending.
 std::string temporaryName(const std::string& path) {
   unsigned char noise[8];
-  if (::getrandom(noise, sizeof noise, 0) != sizeof noise) fail(path, std::strerror(errno));
+  if (::getrandom(noise, sizeof noise, 0) != sizeof noise) cannotWrite(path, std::strerror(errno));
   std::string name = ".partial-";
   for (const unsigned char byte : noise) {
     char hex[3];
@@ -121,17 +122,17 @@ constexpr int kNewFile = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
 
 /// Makes the temporary file; its name goes to `name`.
 int createBeside(const std::string& path, const std::string& file, std::string& name) {
-  if (fs::path(file).filename().string().size() > kMaxName) fail(path, std::strerror(ENAMETOOLONG));
+  if (fs::path(file).filename().string().size() > kMaxName) cannotWrite(path, std::strerror(ENAMETOOLONG));
   name = temporaryBeside(file);
   const int descriptor = ::open(name.c_str(), kNewFile, 0666);
-  if (descriptor < 0) fail(path, reasonOf(errno));
+  if (descriptor < 0) cannotWrite(path, reasonOf(errno));
   return descriptor;
 }
 
 int openThrough(const std::string& path, const Target& target) {
   const int descriptor = target.standard >= 0 ? ::fcntl(target.standard, F_DUPFD_CLOEXEC, STDERR_FILENO + 1)
                                               : ::open(path.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC);
-  if (descriptor < 0) fail(path, reasonOf(errno));
+  if (descriptor < 0) cannotWrite(path, reasonOf(errno));
   return descriptor;
 }
 
@@ -177,14 +178,14 @@ void syncFolderOf(const std::string& path) {
   if (folder < 0) return;  // a folder that may be written but not read
   const int error = syncFile(folder);
   ::close(folder);
-  if (error != 0) fail(path, reasonOf(error));
+  if (error != 0) cannotWrite(path, reasonOf(error));
 }
 
 void syncDisk(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const int error = descriptor >= 0 && ::syncfs(descriptor) == 0 ? 0 : errno;
   if (descriptor >= 0) ::close(descriptor);
-  if (error != 0) fail(path, reasonOf(error));
+  if (error != 0) cannotWrite(path, reasonOf(error));
 }
 
 std::string temporaryBeside(const std::string& path) {
@@ -196,10 +197,10 @@ void requireWritable(const std::string& path, bool overwrite) {
   const Target target = targetOf(path, overwrite);
   if (target.standard >= 0) {
     const int flags = ::fcntl(target.standard, F_GETFL);
-    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) fail(path, "standard output is closed");
+    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) cannotWrite(path, "standard output is closed");
     return;
   }
-  if (!target.isNew() && ::access(path.c_str(), W_OK) != 0) fail(path, reasonOf(errno));
+  if (!target.isNew() && ::access(path.c_str(), W_OK) != 0) cannotWrite(path, reasonOf(errno));
   if (target.file.empty()) return;
   std::string name;
   ::close(createBeside(path, target.file, name));
@@ -221,7 +222,7 @@ int openOutput(const std::string& path, bool overwrite) {
   if (target.file.empty()) return openThrough(path, target);
   const int flags = target.isNew() ? kNewFile : O_WRONLY | O_TRUNC | O_NOFOLLOW | O_CLOEXEC;
   const int descriptor = ::open(target.file.c_str(), flags, 0666);
-  if (descriptor < 0) fail(path, reasonOf(errno));
+  if (descriptor < 0) cannotWrite(path, reasonOf(errno));
   return descriptor;
 }
 
@@ -232,7 +233,7 @@ OutputFile::OutputFile(std::string path, bool overwrite) : path_(std::move(path)
     descriptor_ = openThrough(path_, target);
     return;
   }
-  if (target.mode && ::access(target_.c_str(), W_OK) != 0) fail(path_, reasonOf(errno));
+  if (target.mode && ::access(target_.c_str(), W_OK) != 0) cannotWrite(path_, reasonOf(errno));
   descriptor_ = createBeside(path_, target_, temporary_);
   if (target.mode) keepMode(descriptor_, *target.mode);
 }
@@ -245,15 +246,15 @@ OutputFile::~OutputFile() {
 void OutputFile::write(std::string_view bytes) {
   const int error = writeAll(descriptor_, bytes);
   if (error == EPIPE && path_ == kStandardOutput) throw ClosedPipe();
-  if (error != 0) fail(path_, reasonOf(error));
+  if (error != 0) cannotWrite(path_, reasonOf(error));
 }
 
 void OutputFile::commit(Sync sync) {
   if (sync == Sync::kNow)
-    if (const int error = syncFile(descriptor_); error != 0) fail(path_, reasonOf(error));
+    if (const int error = syncFile(descriptor_); error != 0) cannotWrite(path_, reasonOf(error));
   const int descriptor = descriptor_;
   descriptor_ = -1;
-  if (::close(descriptor) != 0 && errno != EINTR) fail(path_, reasonOf(errno));  // NFS tells here
+  if (::close(descriptor) != 0 && errno != EINTR) cannotWrite(path_, reasonOf(errno));  // NFS tells here
   if (temporary_.empty()) return;
   giveName();
   if (sync == Sync::kNow) syncFolderOf(target_);
@@ -263,7 +264,7 @@ void OutputFile::commit(Sync sync) {
 void OutputFile::giveName() {
   struct stat status {};
   const bool there = ::lstat(target_.c_str(), &status) == 0;
-  if (there && !S_ISREG(status.st_mode)) fail(path_, "it is no longer a regular file");
+  if (there && !S_ISREG(status.st_mode)) cannotWrite(path_, "it is no longer a regular file");
   int error = 0;
   if (overwrite_) {
     error = ::rename(temporary_.c_str(), target_.c_str()) == 0 ? 0 : errno;
@@ -274,7 +275,7 @@ void OutputFile::giveName() {
     if (error == EINVAL && !there)  // a file system that does not know the flag
       error = ::rename(temporary_.c_str(), target_.c_str()) == 0 ? 0 : errno;
   }
-  if (error != 0) fail(path_, reasonOf(error));
+  if (error != 0) cannotWrite(path_, reasonOf(error));
   temporary_.clear();
 }
 

@@ -20,7 +20,7 @@ using Matrix36d = Eigen::Matrix<double, 3, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kHuber = 2.5;        // [deviations]
-constexpr double kSigmaFloor = 1e-6;  // [px]; keeps the covariance of perfect data from being zero
+constexpr double kPixelFloor = 1e-6;  // [px]; keeps the covariance of perfect data from being zero
 constexpr double kBehind = 1e12;      // squared error of a point that the pose puts behind the camera
 
 /// Image coordinates are (u left, v, u right): their noise is independent.
@@ -123,7 +123,7 @@ double Minimiser::deviation(const Isometry3d& T_a_b) const {
   }
   const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
   std::nth_element(squares.begin(), middle, squares.end());
-  return std::max(kSigmaFloor, std::sqrt(*middle / 2.366));
+  return std::max(kPixelFloor, std::sqrt(*middle / 2.366));
 }
 
 double Minimiser::cost(const Isometry3d& T_a_b) const {
@@ -194,7 +194,7 @@ StereoEstimate Minimiser::run(const Isometry3d& start, int maxIterations) {
   }
   StereoEstimate out;
   out.T_a_b.T_a_b = T;
-  out.sigma = std::max(kSigmaFloor, std::sqrt(squares_ / std::max(1.0, 3 * weights_ - 6)));
+  out.sigma = std::max(kPixelFloor, std::sqrt(squares_ / std::max(1.0, 3 * weights_ - 6)));
   H_.diagonal().array() +=
       1e-9;  // directions that no point constrains: a large variance, not an infinite one
   out.T_a_b.cov = out.sigma * out.sigma * H_.inverse();

@@ -34,7 +34,7 @@ bool normalise(Patch& patch) {
   return true;
 }
 
-struct Best {
+struct BestPatch {
   int at = -1;
   float first = -1, second = -1;
   void offer(int index, float value) {
@@ -49,27 +49,27 @@ struct Best {
   bool good() const { return first >= kSimilar && first >= second + kDistinct; }
 };
 
-constexpr int kRadius = 4, kSide = 2 * kRadius + 1;
-using Window = std::array<float, kSide * kSide>;
+constexpr int kRadius = 4, kWindowSide = 2 * kRadius + 1;
+using Window = std::array<float, kWindowSide * kWindowSide>;
 
 /// Between the pixels, of zero mean; false where it is not inside.
 bool sample(const cv::Mat& image, cv::Point2f centre, Window& out) {
   const float x = centre.x - kRadius, y = centre.y - kRadius;
   const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
-  if (ix < 0 || iy < 0 || ix + kSide >= image.cols || iy + kSide >= image.rows) return false;
+  if (ix < 0 || iy < 0 || ix + kWindowSide >= image.cols || iy + kWindowSide >= image.rows) return false;
   const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
   const float w00 = (1 - fx) * (1 - fy), w01 = fx * (1 - fy), w10 = (1 - fx) * fy, w11 = fx * fy;
   float sum = 0;
-  for (int r = 0; r < kSide; ++r) {
+  for (int r = 0; r < kWindowSide; ++r) {
     const auto *top = image.ptr<std::uint8_t>(iy + r) + ix,
                *bottom = image.ptr<std::uint8_t>(iy + r + 1) + ix;
-    for (int c = 0; c < kSide; ++c) {
+    for (int c = 0; c < kWindowSide; ++c) {
       const float value = w00 * top[c] + w01 * top[c + 1] + w10 * bottom[c] + w11 * bottom[c + 1];
-      out[static_cast<std::size_t>(r * kSide + c)] = value;
+      out[static_cast<std::size_t>(r * kWindowSide + c)] = value;
       sum += value;
     }
   }
-  for (float& value : out) value -= sum / (kSide * kSide);
+  for (float& value : out) value -= sum / (kWindowSide * kWindowSide);
   return true;
 }
 
@@ -102,7 +102,7 @@ std::vector<Patch> cornerPatches(const cv::Mat& image, int wanted) {
 
 std::vector<Shift> matchPatches(std::span<const Patch> a, std::span<const Patch> b, float columns,
                                 float rows) {
-  std::vector<Best> forward(a.size()), backward(b.size());
+  std::vector<BestPatch> forward(a.size()), backward(b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     auto j = static_cast<std::size_t>(
         std::lower_bound(b.begin(), b.end(), a[i].y - rows, [](const Patch& p, float y) { return p.y < y; }) -

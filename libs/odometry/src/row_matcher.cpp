@@ -18,7 +18,7 @@ namespace {
 constexpr int kHalfHeight = 5, kHeight = 2 * kHalfHeight + 1;
 constexpr int kBefore = 8, kWidth = 16;         // columns u - 8 … u + 7
 constexpr int kTexture = 4 * kHeight * kWidth;  // smallest sum of absolute gradients
-constexpr double kDistinct = 1.05;              // the second best must be worse by this factor
+constexpr double kCostRatio = 1.05;             // the second best must be worse by this factor
 constexpr double kSmall = 0.6;  // largest difference, as a share of the window's own gradients
 constexpr int kLargestSearch = 1024;
 constexpr float kMinDisparity = 0.5f;
@@ -62,14 +62,14 @@ cv::Mat gradientOf(const cv::Mat& image) {
   return gradient;
 }
 
-struct Best {
+struct CheapestRow {
   int at = -1, cost = 1 << 30;
   bool distinct = false;
 };
 
 /// The best of costs[low … high], and whether it is better than all that are not its neighbours.
-Best bestOf(const std::array<int, kLargestSearch>& costs, int low, int high) {
-  Best best;
+CheapestRow bestOf(const std::array<int, kLargestSearch>& costs, int low, int high) {
+  CheapestRow best;
   for (int d = low; d <= high; ++d)
     if (costs[static_cast<std::size_t>(d - low)] < best.cost) {
       best.cost = costs[static_cast<std::size_t>(d - low)];
@@ -78,7 +78,7 @@ Best bestOf(const std::array<int, kLargestSearch>& costs, int low, int high) {
   int second = 1 << 30;
   for (int d = low; d <= high; ++d)
     if (std::abs(d - best.at) > 2) second = std::min(second, costs[static_cast<std::size_t>(d - low)]);
-  best.distinct = second > kDistinct * best.cost;
+  best.distinct = second > kCostRatio * best.cost;
   return best;
 }
 
@@ -115,7 +115,7 @@ std::optional<float> RowMatcher::search(float u, float v, int low, int high) con
   for (int d = low; d <= high; ++d)
     costs[static_cast<std::size_t>(d - low)] =
         sad(left, gradientLeft_.step, windowAt(gradientRight_, iu - d, iv), gradientRight_.step);
-  const Best best = bestOf(costs, low, high);
+  const CheapestRow best = bestOf(costs, low, high);
   if (!best.distinct || best.cost > kSmall * texture) return std::nullopt;
   // From right to left the same match must be the best one.
   const int right = iu - best.at;

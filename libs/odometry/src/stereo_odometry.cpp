@@ -15,13 +15,13 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr double kSure = 0.5;        // share of the tracks in agreement from which nothing else is tried
-constexpr int kNear = 2;             // levels of the pyramid that do when the motion is as expected
-constexpr float kSimilar = 0.5f;     // correlation of what is tracked: where it is less, tracking got stuck
-constexpr double kCorrelated = 4;    // see estimate()
-constexpr int kReach = 6;            // [px] from the expected disparity, and …
-constexpr float kReachShare = 0.3f;  // … as a share of it
-constexpr int kSuggestion = 10;      // inliers from which a motion may be right
+constexpr double kSure = 0.5;          // share of the tracks in agreement from which nothing else is tried
+constexpr int kNear = 2;               // levels of the pyramid that do when the motion is as expected
+constexpr float kStillSimilar = 0.5f;  // correlation of what is tracked: where it is less, tracking got stuck
+constexpr double kCorrelated = 4;      // see estimate()
+constexpr int kReach = 6;              // [px] from the expected disparity, and …
+constexpr float kReachShare = 0.3f;    // … as a share of it
+constexpr int kSuggestion = 10;        // inliers from which a motion may be right
 
 double angleOf(const Isometry3d& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
 
@@ -96,7 +96,8 @@ std::vector<geometry::StereoMatch> StereoOdometry::Impl::track(const View& now, 
                            {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 12, 0.03},
                            cv::OPTFLOW_USE_INITIAL_FLOW, 1e-3);
   for (std::size_t i = 0; i < sought.size(); ++i) {
-    if (!found[i] || similarity(keyframe_->pair().left, from[i], now.pair().left, to[i]) < kSimilar) continue;
+    if (!found[i] || similarity(keyframe_->pair().left, from[i], now.pair().left, to[i]) < kStillSimilar)
+      continue;
     const int reach = kReach + static_cast<int>(disparities[i] * kReachShare);
     if (const auto d = now.rows().disparity(to[i].x, to[i].y, disparities[i], reach))
       matches.push_back({*sought[i], {to[i].x, to[i].y, *d}});

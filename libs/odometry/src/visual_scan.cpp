@@ -66,14 +66,14 @@ class RowIndex {
 };
 
 /// [px], columns and rows.
-struct Window {
+struct SearchWindow {
   double left, right, top, bottom;
 };
 
 /// For each of a the nearest of b within its window and the test, and only pairs that choose each other.
 /// Windows are of a; a pair that is inside counts for both directions.
 std::vector<types::Match> mutualBest(const types::Features& a, const types::Features& b,
-                                     const std::function<std::optional<Window>(std::size_t)>& windowOf,
+                                     const std::function<std::optional<SearchWindow>(std::size_t)>& windowOf,
                                      const std::function<bool(std::size_t, std::size_t)>& test,
                                      double maxDistance) {
   if (!a.empty() && !b.empty() && !a.descriptors.sameLayout(b.descriptors))
@@ -107,10 +107,10 @@ double turnBetween(float a, float b) {
 
 /// Between the rays that are so far [rad] to either side of the one through u.
 std::pair<double, double> aroundRay(double u, double centre, double f, double reach) {
-  constexpr double kSide = 1.55;  // [rad]: a pinhole sees no farther
+  constexpr double kWidest = 1.55;  // [rad]: a pinhole sees no farther
   const double ray = std::atan((u - centre) / f);
-  return {centre + f * std::tan(std::max(-kSide, ray - reach)),
-          centre + f * std::tan(std::min(kSide, ray + reach))};
+  return {centre + f * std::tan(std::max(-kWidest, ray - reach)),
+          centre + f * std::tan(std::min(kWidest, ray + reach))};
 }
 
 }  // namespace
@@ -140,8 +140,8 @@ types::Features makeScan(const types::Features& left, const types::Features& rig
       left, right,
       [&](std::size_t i) {
         const auto& k = left.keypoints[i];
-        return std::optional(Window{k.x - fb / params.min_depth, k.x - fb / params.max_depth,
-                                    k.y - params.max_rows, k.y + params.max_rows});
+        return std::optional(SearchWindow{k.x - fb / params.min_depth, k.x - fb / params.max_depth,
+                                          k.y - params.max_rows, k.y + params.max_rows});
       },
       [&](std::size_t i, std::size_t j) {
         return turnBetween(left.keypoints[i].angle, right.keypoints[j].angle) < params.max_turn;
@@ -163,7 +163,7 @@ std::vector<types::Match> matchScans(const types::Features& a, const types::Feat
                                      const Eigen::Isometry3d& T_a_b, const types::StereoModel& model,
                                      const ScanMatchParams& params) {
   const Eigen::Isometry3d T_b_a = T_a_b.inverse();
-  const auto windowOf = [&](std::size_t i) -> std::optional<Window> {
+  const auto windowOf = [&](std::size_t i) -> std::optional<SearchWindow> {
     if (i >= a.ranges.size() || !(a.ranges[i] > 0)) return std::nullopt;
     const Eigen::Vector3d point =
         T_b_a * model.toPoint(types::stereoPoint(a.keypoints[i], a.ranges[i], model));
@@ -171,7 +171,7 @@ std::vector<types::Match> matchScans(const types::Features& a, const types::Feat
     const auto at = model.project(point);
     const auto [left, right] = aroundRay(at.u, model.cx, model.f, params.window_width);
     const auto [top, bottom] = aroundRay(at.v, model.cy, model.f, params.window_height);
-    return Window{left, right, top, bottom};
+    return SearchWindow{left, right, top, bottom};
   };
   return mutualBest(
       a, b, windowOf, [](std::size_t, std::size_t) { return true; }, params.max_distance);

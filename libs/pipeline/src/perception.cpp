@@ -6,16 +6,12 @@
 #include "engram/base/text.h"
 #include "engram/cameras/unified_sphere.h"
 #include "engram/types/se3.h"
+#include "engram/types/size_text.h"
 #include "step_timer.h"
 
 #include <opencv2/imgproc.hpp>
 
 namespace engram::pipeline {
-namespace {
-
-std::string sizeText(cv::Size size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
-
-}  // namespace
 
 void CameraParams::describe(base::Params& p) {
   p.add("file", file, "calibration file, relative to this one; empty: an uncalibrated pinhole camera");
@@ -105,8 +101,8 @@ std::string Perception::refusal(const cv::Mat& image) {
     checkedFirst_ = true;
     return {};
   }
-  const std::string what = "the image is " + sizeText(image.size()) + ", the camera of the configuration " +
-                           sizeText(expectedSize_);
+  const std::string what = "the image is " + types::sizeText(image.size()) +
+                           ", the camera of the configuration " + types::sizeText(expectedSize_);
   if (!checkedFirst_) throw base::Error(what + "; set [camera] file to the calibration of this camera");
   return what;
 }
@@ -116,8 +112,8 @@ std::string Perception::refusal(const types::Frame& frame) {
   if (!reason.empty() || !stereo_) return reason;
   if (frame.right.empty()) return "the right image of the stereo camera is missing";
   if (frame.right.size() != frame.image.size())
-    return "the right image is " + sizeText(frame.right.size()) + ", the left one " +
-           sizeText(frame.image.size());
+    return "the right image is " + types::sizeText(frame.right.size()) + ", the left one " +
+           types::sizeText(frame.image.size());
   return {};
 }
 

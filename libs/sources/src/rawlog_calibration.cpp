@@ -4,6 +4,7 @@
 
 #include "engram/base/image_header.h"
 #include "engram/cameras/pinhole.h"
+#include "rawlog_stamp.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +15,6 @@
 namespace engram::sources {
 namespace {
 
-constexpr std::uint8_t kEndFlag = 0x88;
 constexpr std::string_view kQuaternionPose = "CPose3DQuat";
 
 /// Reads values one after another; what is missing or not a number makes it fail for good.

@@ -15,7 +15,6 @@
 namespace engram::sources {
 namespace {
 
-constexpr std::uint8_t kEndFlag = 0x88;
 constexpr std::size_t kMaxHeader = 130;  // length byte, 120 characters, version
 constexpr std::size_t kMaxText = 4096;
 constexpr std::int64_t kMaxEncoded = std::int64_t{1} << 28;

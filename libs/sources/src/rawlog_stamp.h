@@ -8,6 +8,9 @@
 
 namespace engram::sources {
 
+/// The byte that ends each object of MRPT.
+inline constexpr std::uint8_t kEndFlag = 0x88;
+
 /// MRPT counts steps of 100 ns since the year 1601.
 inline constexpr std::int64_t kTicksAtUnixEpoch = 116444736000000000;
 

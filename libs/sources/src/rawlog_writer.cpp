@@ -29,8 +29,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint8_t kEndFlag = 0x88;
-
 std::string imagesFolderOf(const std::string& path) {
   const fs::path file(path);
   return (file.parent_path() / (file.stem().string() + "_Images")).string();

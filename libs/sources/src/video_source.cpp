@@ -16,9 +16,9 @@ namespace fs = std::filesystem;
 
 constexpr double kWhole = 0.95;  // share of the promised images, which many containers only estimate
 
-class Source final : public FrameSource {
+class Video final : public FrameSource {
  public:
-  explicit Source(const std::string& path) : path_(path), name_(fs::path(path).filename().string()) {
+  explicit Video(const std::string& path) : path_(path), name_(fs::path(path).filename().string()) {
     std::error_code status;
     if (!fs::is_regular_file(path, status)) throw base::Error(path + ": no such video");
     if (!video_.open(path)) throw base::Error(path + ": is no video that can be read");
@@ -61,6 +61,6 @@ class Source final : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> openVideo(const std::string& path) { return std::make_unique<Source>(path); }
+std::unique_ptr<FrameSource> openVideo(const std::string& path) { return std::make_unique<Video>(path); }
 
 }  // namespace engram::sources

@@ -3,25 +3,13 @@
 #include "engram/base/text.h"
 #include "engram/store/map_file.h"
 #include "engram/store/report_json.h"
+#include "exact.h"
 
-#include <cstdio>
 #include <ostream>
 #include <sstream>
 
 namespace engram::store {
 namespace {
-
-std::string exact(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
-
-std::string exact(float value) {
-  char text[24];
-  std::snprintf(text, sizeof text, "%.9g", static_cast<double>(value));
-  return text;
-}
 
 std::string hex(const void* data, std::size_t size) {
   static const char* const kDigits = "0123456789abcdef";

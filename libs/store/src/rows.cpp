@@ -2,20 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rows.h"
 
-#include <cstdio>
+#include "exact.h"
+
 #include <string>
 #include <utility>
 
 namespace engram::store {
-namespace {
-
-std::string exact(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
-
-}  // namespace
 
 void writeHeader(Database& database, const map::MapHeader& h) {
   Statement insert(database, "INSERT INTO header VALUES (?, ?, ?)");

@@ -95,6 +95,14 @@ class ByteReader {
   std::span<const std::uint8_t> rest_;
 };
 
+/// The most columns of descriptors that a file may claim.
+inline constexpr std::uint64_t kMostDim = 65536;
+
+/// @throws base::Error(problem) unless it holds
+inline void require(bool holds, const char* problem) {
+  if (!holds) throw base::Error(problem);
+}
+
 /// Numbers that are not finite have no distances, and what is sorted by them has no order.
 inline void requireFinite(const types::Descriptors& d) {
   if (d.kind() != types::DescriptorKind::kFloat || d.empty()) return;

@@ -19,7 +19,7 @@ std::size_t farthest(const std::byte* from, const types::Descriptors& rows, std:
 }
 
 /// Each row to the nearer mean; those that are hardest to tell make up for a side that is too small.
-std::vector<std::uint8_t> assign(const types::Descriptors& rows, const types::Descriptors& means) {
+std::vector<std::uint8_t> toNearerMean(const types::Descriptors& rows, const types::Descriptors& means) {
   std::vector<float> margin(rows.size()), other(rows.size());
   distancesTo(means.row(0).data(), rows, margin.data());
   distancesTo(means.row(1).data(), rows, other.data());
@@ -44,7 +44,7 @@ TwoMeans twoMeans(const types::Descriptors& rows) {
   result.means.append(rows.row(first));
   result.means.append(rows.row(farthest(rows.row(first).data(), rows, distances)));
   for (int k = 0; k < kIterations; ++k) {
-    auto side = assign(rows, result.means);
+    auto side = toNearerMean(rows, result.means);
     const bool settled = side == result.side;
     result.side = std::move(side);
     if (settled) break;

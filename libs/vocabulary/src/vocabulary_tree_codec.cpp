@@ -17,13 +17,8 @@
 namespace engram::vocabulary {
 namespace {
 
-constexpr std::array<std::uint8_t, 6> kMagic{'E', 'G', 'T', 'R', 'E', 'E'};
-constexpr std::uint8_t kVersion = 1;
-constexpr std::uint64_t kMostDim = 65536;
-
-void require(bool holds, const char* problem) {
-  if (!holds) throw base::Error(problem);
-}
+constexpr std::array<std::uint8_t, 6> kTreeMagic{'E', 'G', 'T', 'R', 'E', 'E'};
+constexpr std::uint8_t kTreeVersion = 1;
 
 auto numbersOf(TreeParams& p) {
   return std::array{&p.branching, &p.depth, &p.min_split, &p.max_training, &p.iterations, &p.beam, &p.seed};
@@ -35,8 +30,8 @@ auto numbersOf(TreeParams& p) {
 /// each node, level by level; the centres in the same order; CRC-32. All other numbers follow.
 std::vector<std::uint8_t> VocabularyTree::serialised() const {
   ByteWriter out;
-  out.raw(kMagic.data(), kMagic.size());
-  out.put(kVersion);
+  out.raw(kTreeMagic.data(), kTreeMagic.size());
+  out.put(kTreeVersion);
   TreeParams params = params_;
   for (const int* value : numbersOf(params)) out.varint(static_cast<std::uint64_t>(*value));
   out.put(static_cast<std::uint8_t>(kind()));
@@ -50,10 +45,10 @@ std::vector<std::uint8_t> VocabularyTree::serialised() const {
 VocabularyTree VocabularyTree::parse(std::span<const std::uint8_t> bytes) {
   try {
     ByteReader in(bytes);
-    std::array<std::uint8_t, kMagic.size()> magic{};
+    std::array<std::uint8_t, kTreeMagic.size()> magic{};
     in.raw(magic.data(), magic.size());
-    require(magic == kMagic, "it is something else");
-    require(in.get<std::uint8_t>() == kVersion, "it was written by a newer version of Engram");
+    require(magic == kTreeMagic, "it is something else");
+    require(in.get<std::uint8_t>() == kTreeVersion, "it was written by a newer version of Engram");
     VocabularyTree tree;
     for (int* value : numbersOf(tree.params_))
       *value = static_cast<int>(in.varint(std::numeric_limits<int>::max()));

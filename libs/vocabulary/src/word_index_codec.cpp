@@ -9,15 +9,10 @@
 namespace engram::vocabulary {
 namespace {
 
-constexpr std::array<std::uint8_t, 7> kMagic{'E', 'G', 'W', 'O', 'R', 'D', 'S'};
-constexpr std::uint8_t kVersion = 1;
+constexpr std::array<std::uint8_t, 7> kWordsMagic{'E', 'G', 'W', 'O', 'R', 'D', 'S'};
+constexpr std::uint8_t kWordsVersion = 1;
 constexpr std::uint64_t kMostIds = base::WordId::kInvalid;  // ids are below
-constexpr std::uint64_t kMostDim = 65536;
 constexpr int kMostLevels = 64;  // a node has at least two children when it is made, and 2^32 words at most
-
-void require(bool holds, const char* problem) {
-  if (!holds) throw base::Error(problem);
-}
 
 void putParams(ByteWriter& out, const WordParams& p) {
   out.put(p.max_distance);
@@ -183,8 +178,8 @@ void WordIndexCodec::getIndex(ByteReader& in, WordIndex& words) {
 
 std::vector<std::uint8_t> WordIndex::serialised() const {
   ByteWriter out;
-  out.raw(kMagic.data(), kMagic.size());
-  out.put(kVersion);
+  out.raw(kWordsMagic.data(), kWordsMagic.size());
+  out.put(kWordsVersion);
   WordIndexCodec::put(out, dictionary_);
   WordIndexCodec::put(out, index_);
   return std::move(out).seal();
@@ -193,10 +188,10 @@ std::vector<std::uint8_t> WordIndex::serialised() const {
 WordIndex WordIndex::parse(std::span<const std::uint8_t> bytes) {
   try {
     ByteReader in(bytes);
-    std::array<std::uint8_t, kMagic.size()> magic{};
+    std::array<std::uint8_t, kWordsMagic.size()> magic{};
     in.raw(magic.data(), magic.size());
-    require(magic == kMagic, "it is something else");
-    require(in.get<std::uint8_t>() == kVersion, "it was written by a newer version of Engram");
+    require(magic == kWordsMagic, "it is something else");
+    require(in.get<std::uint8_t>() == kWordsVersion, "it was written by a newer version of Engram");
     WordIndex words({});
     words.dictionary_ = WordIndexCodec::getDictionary(in);
     WordIndexCodec::getIndex(in, words);

@@ -17,6 +17,11 @@ using Paint = cv::Scalar;  // BGR, 0 … 255
 /// strength.
 cv::Mat1f noise(int width, int height, int cells, int octaves, Rng rng);
 
+/// A whole number of the closed interval [low, high].
+inline int pick(Rng& rng, int low, int high) {
+  return low + static_cast<int>(rng.below(static_cast<std::uint32_t>(high - low + 1)));
+}
+
 Paint randomPaint(Rng& rng, double low, double high);
 Paint mix(const Paint& a, const Paint& b, double share);
 

@@ -10,10 +10,6 @@
 namespace engram::world::paint {
 namespace {
 
-int pick(Rng& rng, int low, int high) {  // closed interval
-  return low + static_cast<int>(rng.below(static_cast<std::uint32_t>(high - low + 1)));
-}
-
 void box(cv::Mat& image, int x0, int y0, int x1, int y1, const Paint& colour, int thickness = cv::FILLED) {
   cv::rectangle(image, cv::Point(x0, y0), cv::Point(x1, y1), colour, thickness);
 }

@@ -11,10 +11,6 @@ namespace {
 
 constexpr int kWidth = 2048, kHeight = 256, kHorizon = 176, kGround = 192;  // [px]; 8 px a metre upwards
 
-int pick(Rng& rng, int low, int high) {
-  return low + static_cast<int>(rng.below(static_cast<std::uint32_t>(high - low + 1)));
-}
-
 void sky(cv::Mat& image, Rng rng) {
   const cv::Mat1f clouds = noise(kWidth, kHeight, 24, 5, rng);
   for (int y = 0; y < kHeight; ++y)

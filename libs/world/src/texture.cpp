@@ -11,10 +11,10 @@
 namespace engram::world {
 namespace {
 
-constexpr unsigned kLargestSide = 2048;
+constexpr unsigned kLargestTexture = 2048;
 
 int powerOfTwo(int side) {
-  return static_cast<int>(std::min(kLargestSide, std::bit_ceil(static_cast<unsigned>(side))));
+  return static_cast<int>(std::min(kLargestTexture, std::bit_ceil(static_cast<unsigned>(side))));
 }
 
 // The mean of the light, not of the bytes, of a 2 x 2 block (2 x 1 where one side has shrunk to a pixel).
