@@ -8,7 +8,7 @@ ENGRAM_PACKAGES=(
   libmrpt-dev mrpt-common libopencv-dev libeigen3-dev libceres-dev libsqlite3-dev zlib1g-dev libdeflate-dev libjpeg-dev
   libcli11-dev nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev
   libpqxx-dev libmosquitto-dev
-  libaravis-dev libusb-1.0-0-dev aravis-tools libglfw3-dev xvfb help2man
+  libaravis-dev libusb-1.0-0-dev aravis-tools libglfw3-dev xvfb help2man python3
 )
 # Servers that tests start for themselves; the demonstration needs none.
 ENGRAM_TEST_PACKAGES=(postgresql mosquitto)

@@ -57,7 +57,8 @@ nlohmann::json SlamFigures::toJson(const map::TopologicalMap& map, std::uint64_t
           {"false_closures", hasTruth_ ? nlohmann::json(falseClosures) : nlohmann::json(nullptr)},
           {"closure_list", closures},
           {"late_closures", lateClosures_},
-          {"ate_m", ate_ ? nlohmann::json(*ate_) : nlohmann::json(nullptr)},
+          {"ate_m", error_ ? nlohmann::json(error_->ate) : nlohmann::json(nullptr)},
+          {"ate_apart", error_ ? nlohmann::json(error_->apart) : nlohmann::json(nullptr)},
           {"map_bytes", mapBytes},
           {"bytes_per_place", mapBytes / std::max<std::size_t>(1, places)},
           {"ms_per_image", {{"mean", ms.mean}, {"median", ms.median}, {"p95", ms.p95}, {"max", ms.max}}},
@@ -77,7 +78,10 @@ void SlamFigures::print(std::ostream& out, const map::TopologicalMap& map, const
   if (lateClosures_ > 0) out << ", " << lateClosures_ << " found later";
   out << std::fixed << std::setprecision(1) << "\n  " << ms.mean << " ms per image (95 %: " << ms.p95
       << ", max: " << ms.max << ")";
-  if (ate_) out << std::setprecision(3) << ", trajectory error " << *ate_ << " m (rms)";
+  if (error_) out << std::setprecision(3) << ", trajectory error " << error_->ate << " m (rms)";
+  if (error_ && error_->apart > 0)
+    out << std::setprecision(1) << ", without the " << 100 * error_->apart
+        << " % of the way in other parts of the map";
   out << "\n" << use_.summary();
 }
 

@@ -23,14 +23,14 @@ class SlamFigures {
  public:
   /// To be called after each image, with the map as it is then.
   void add(const types::FrameReport& report, const map::TopologicalMap& map, const MapTruth* truth);
-  void setTrajectoryError(std::optional<double> ate) { ate_ = ate; }
+  void setTrajectoryError(std::optional<PathError> error) { error_ = error; }
 
   int images() const { return milliseconds_.count(); }
   const RunUse& use() const { return use_; }
 
   /// Keys: images, keyframes, unusable, refused, causes {reason: count}, places, views, edges, closures,
-  /// false_closures (null without truth), closure_list [{index, label, place, place_label, right}], ate_m
-  /// (null without TUM truth), map_bytes, bytes_per_place, ms_per_image {mean, median, p95, max},
+  /// false_closures (null without truth), closure_list [{index, label, place, place_label, right}], ate_m,
+  /// ate_apart (null without TUM truth), map_bytes, bytes_per_place, ms_per_image {mean, median, p95, max},
   /// peak_rss_bytes.
   nlohmann::json toJson(const map::TopologicalMap& map, std::uint64_t mapBytes, std::uint64_t peakRss) const;
   void print(std::ostream& out, const map::TopologicalMap& map, const std::string& path,
@@ -50,7 +50,7 @@ class SlamFigures {
   std::vector<Closure> closures_;
   int recognised_ = 0, made_ = 0, refused_ = 0, unusable_ = 0, lateClosures_ = 0;
   bool hasTruth_ = false;
-  std::optional<double> ate_;
+  std::optional<PathError> error_;
 };
 
 }  // namespace engram::apps

@@ -3,6 +3,7 @@
 #include "slam_program.h"
 
 #include "engram/apps/checks.h"
+#include "engram/apps/map_parameters.h"
 #include "engram/base/atomic_file.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
@@ -51,6 +52,10 @@ void SlamProgram::declare(CLI::App& app) {
          "same map")
       ->excludes(overwrite);
   app.add_flag("--again", drive_.again, "With --extend: learn a rawlog that the map has learnt before");
+  app.add_flag(
+      "--accept-parameters", acceptParameters_,
+      "With --extend: go on though the map was made with other parameters of memory, words or appearance; "
+      "the map notes it");
   app.add_option("--report", report_,
                  "Folder for summary, scene, graph, trajectory and the record of every image");
   app.add_option("--truth", truth_, "Ground truth, to count false closures and measure the trajectory");
@@ -79,6 +84,7 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   if (config_.load(out, mapHasConfig ? mapPath() : "")) return kOk;
   if (!input_.given(config_))
     throw UsageError("--rawlog, --images, --video or --live is missing: which images shall be mapped?");
+  say(config_.warning(), err);
   const std::string path = mapPath();
   base::requireWritable(json_);
   makeFolder(report_, {"images.jsonl", "index.html", "map.3Dscene", "map.graph", "trajectory.tum"});
@@ -97,8 +103,11 @@ int SlamProgram::run(std::ostream& out, std::ostream& err) {
   if (config_.liveSection.empty())
     input_.open(config_, err);  // tells the calibration; a live camera starts last
   pipeline::Pipeline mapper(config_.pipeline, std::move(known));
-  if (drive.header() != nullptr) store::requireCompatible(*drive.header(), mapper.header(), path);
   if (drive.header() != nullptr) {
+    store::requireCompatible(*drive.header(), mapper.header(), path);
+    const auto changes = parameterChanges(drive.header()->parameters, config_.dumpForMap());
+    const std::string accepted = acceptedChanges(changes, acceptParameters_, path);
+    if (!accepted.empty()) drive.note("with " + accepted);
     const keeper::Rejections rejected = keeper::rejectionsOf(drive.file().notes());
     mapper.keepApart({rejected.begin(), rejected.end()});
   }

@@ -47,6 +47,7 @@ class SlamProgram : public Program {
   int truthMargin_ = 0;
   store::DriveOptions drive_;
   bool quiet_ = false;
+  bool acceptParameters_ = false;
 };
 
 }  // namespace engram::apps

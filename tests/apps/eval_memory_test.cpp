@@ -8,6 +8,7 @@
 #include "make_features.h"
 #include "memory/lab_figures.h"
 #include "memory/method_run_file.h"
+#include "memory/paper_findings.h"
 #include "program_run.h"
 
 #include <gmock/gmock.h>
@@ -17,6 +18,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <numeric>
 #include <set>
 #include <sstream>
@@ -106,11 +108,53 @@ TEST(LabFigures, AdvantageIsTheDifferenceOnTheSameImages) {
   EXPECT_DOUBLE_EQ(advantages[0].share.value, 5.0 / 12);
 }
 
+/// F-28: errors that fall, stay or rise are told apart, and an update too early or too late.
+TEST(PaperFindings, AreFoundWhereTheCurvesHaveThemAndNowhereElse) {
+  const auto curve = [](const std::string& method, const std::string& condition,
+                        const std::vector<double>& errors) {
+    std::vector<LabFigure> figures;
+    for (const double error : errors) {
+      LabFigure f;
+      f.method = method;
+      f.condition = condition;
+      f.update = static_cast<int>(figures.size()) + 1;
+      f.error.value = error;
+      f.globalSuccess.value = 0.8;
+      f.localSuccess.value = 0.9;
+      f.bytesPerPlace = method == "bow_80" ? 840 : 100;
+      figures.push_back(f);
+    }
+    return figures;
+  };
+  const auto asked = [](const std::vector<std::vector<LabFigure>>& curves) {
+    std::vector<LabFigure> all;
+    for (const auto& c : curves) all.insert(all.end(), c.begin(), c.end());
+    std::map<std::string, bool> found;
+    for (const auto& f : paperFindings(all)) found[f.claim] = f.found;
+    return found;
+  };
+  const auto paper = asked({curve("fsh", "clean", {2, 1.8, 1.5, 1.2, 1, 1, 1, 0.9}),
+                            curve("fsh", "noise", {3, 3.1, 2.5, 2, 2, 2, 2, 1.9}),
+                            curve("multi_store_4_5", "clean", {2, 2.1, 2.2, 2.3, 1.8, 1.7, 1.6, 1.5}),
+                            curve("bow_80", "clean", {2, 2, 2, 2.4, 2.6, 2.3, 2, 2})});
+  EXPECT_EQ(paper.size(), 9u);
+  for (const auto& [claim, found] : paper) EXPECT_TRUE(found) << claim;
+  const auto other = asked({curve("fsh", "clean", {1, 1.8, 1.5, 1.2, 1, 1, 1, 3}),
+                            curve("fsh", "noise", {3, 3.1, 2.5, 2, 2, 2, 2, 4}),
+                            curve("multi_store_4_5", "clean", {2, 1.9, 1.8, 1.7, 1.6, 1.7, 1.6, 1.5}),
+                            curve("bow_80", "clean", {2, 2, 2, 1.9, 1.8, 1.7, 1.6, 1.5})});
+  EXPECT_EQ(other.size(), 9u);
+  int found = 0;
+  for (const auto& [claim, is] : other) found += is;
+  EXPECT_EQ(found, 2) << "that local answers recover, and the bytes";
+  EXPECT_TRUE(asked({curve("replace", "clean", {1, 2})}).empty());
+}
+
 TEST(Methods, AreTheOnesThatThePapersCompare) {
   std::set<std::string> names;
   for (const auto& method : comparedMethods({}, 1000)) names.insert(method.name);
-  EXPECT_EQ(names, (std::set<std::string>{"fsh", "fsh_learned", "multi_store_4_5", "multi_store_2_8",
-                                          "bow_80", "bow_1000", "static", "replace"}));
+  EXPECT_EQ(names, (std::set<std::string>{"fsh", "fsh_learned", "fsh_ungated", "fsh_votes", "multi_store_4_5",
+                                          "multi_store_2_8", "bow_80", "bow_1000", "static", "replace"}));
   EXPECT_EQ(sweptMethods({}).size(), 7u + 9u);  // F-23
 }
 
@@ -163,6 +207,32 @@ TEST_F(MemoryLabTest, WritesEveryFigure) {
   EXPECT_THAT(page, HasSubstr("[memory_lab]"));
   EXPECT_EQ(page.find("http://www.w3.org/2000/svg") == std::string::npos, false);
   EXPECT_EQ(page.find("<script"), std::string::npos);
+}
+
+/// Every figure counted once more from the single answers, image by image.
+TEST_F(MemoryLabTest, FiguresAreThoseOfTheSingleAnswers) {
+  ASSERT_EQ(first_->code, kOk) << first_->err;
+  constexpr std::size_t kLength = 5;  // images of a sequence with --quick
+  const auto json = nlohmann::json::parse(read("one.json"));
+  int compared = 0;
+  for (const char* method : {"fsh", "bow_80", "static"})
+    for (const Cell& cell : readMethodRun(path(std::string("one/runs/") + method + ".json")).cells) {
+      ASSERT_EQ(cell.interpolated.size(), 20 * kLength);
+      double first = 0, later = 0, sum = 0;
+      for (std::size_t i = 0; i < cell.interpolated.size(); ++i) {
+        (i % kLength == 0 ? first : later) += cell.interpolated[i] <= 1.25f;
+        sum += cell.interpolated[i];
+      }
+      for (const auto& r : json.at("results")) {
+        if (r.at("method") != method || r.at("condition") != cell.condition || r.at("update") != cell.update)
+          continue;
+        EXPECT_NEAR(r.at("global_success").get<double>(), first / 20, 1e-9);
+        EXPECT_NEAR(r.at("local_success").get<double>(), later / 80, 1e-9);
+        EXPECT_NEAR(r.at("mean_error").get<double>(), sum / 100, 1e-6);
+        ++compared;
+      }
+    }
+  EXPECT_EQ(compared, 24);
 }
 
 TEST_F(MemoryLabTest, StaticPlacesNeverChangeAndLearningOnesDo) {

@@ -4,6 +4,7 @@
 #include "eval_program.h"
 #include "make_features.h"
 #include "program_run.h"
+#include "tours/room_lab.h"
 #include "tours/tours_figures.h"
 #include "tours/tours_run_file.h"
 
@@ -204,6 +205,53 @@ ToursRun handMade(const std::string& method, const std::vector<int>& winners,
   return run;
 }
 
+/// D-09 with truth: half of the room changes once. The static view matches the other half for ever; the
+/// stores have the new half after four sightings and have dropped the old one after eight misses (D-E1).
+TEST(Room, StoresFollowTheRoomAndAStaticViewDoesNot) {
+  const types::Features before = view(range(0, 60)), after = view(joined(range(0, 30), range(100, 130)));
+  std::vector<types::Features> views(11, before);
+  views.insert(views.end(), 20, after);
+  pipeline::PipelineParams params;
+  params.match.max_distance = 0.3;  // no match by accident
+  const auto results = roomResults(views, touredMethods(params), {}, 1);
+  const auto of = [&](const std::string& method) {
+    return *std::find_if(results.begin(), results.end(), [&](const auto& r) { return r.method == method; });
+  };
+  std::vector<int> halved(10, 60), followed(10, 60);
+  halved.insert(halved.end(), 20, 30);
+  followed.insert(followed.end(), 4, 30);
+  followed.insert(followed.end(), 16, 60);
+  EXPECT_EQ(of("static").matched, halved);
+  EXPECT_EQ(of("multi_store_3_8").matched, followed);
+  EXPECT_EQ(of("multi_store_3_8").learnt, 30);
+  std::vector<int> longTerm(13, 60), shortTerm(10, 0);
+  longTerm.insert(longTerm.end(), 4, 90);
+  longTerm.insert(longTerm.end(), 13, 60);
+  shortTerm.insert(shortTerm.end(), 3, 30);
+  shortTerm.insert(shortTerm.end(), 17, 0);
+  EXPECT_EQ(of("multi_store_3_8").longTerm, longTerm);
+  EXPECT_EQ(of("multi_store_3_8").shortTerm, shortTerm);
+  EXPECT_DOUBLE_EQ(of("static").mean.value, 40);
+  EXPECT_NEAR(of("static").sigma, std::sqrt(200.0), 1e-9);
+}
+
+TEST(Room, TheRobotGoesBackAndForthAboutTheReferenceView) {
+  const world::World world = world::World::preset("tiny", {});
+  const RoomParams params;
+  const world::Pose2 middle = world.route().at(5);
+  double farthest = 0;
+  for (int i = 0; i < 2 * params.period; ++i) {
+    const world::Pose2 pose = roomPose(world.route(), 5, params, i);
+    const double way = std::hypot(pose.x - middle.x, pose.y - middle.y);
+    EXPECT_LE(way, params.reach + 1e-9);
+    farthest = std::max(farthest, way);
+    const world::Pose2 later = roomPose(world.route(), 5, params, i + params.period);
+    EXPECT_NEAR(std::hypot(pose.x - later.x, pose.y - later.y), 0, 1e-6);
+  }
+  EXPECT_GT(farthest, 0.9 * params.reach);
+  EXPECT_NEAR(std::hypot(roomPose(world.route(), 5, params, 0).x - middle.x, 0.0), 0, 1e-9);
+}
+
 TEST(ToursFigures, CountFailuresAndFewMatchesByTour) {
   // Right answers of the four images: 0|1, 1|2, 2|3, 3|0; the nearest: 0, 1, 3, 0.
   const auto still = handMade("static", {0, 3, 2, 1, 0, 1, 3, 0}, {100, 34, 35, 80, 100, 60, 20, 40});
@@ -285,6 +333,40 @@ TEST_F(ToursTest, QuickRunWritesWholeFigures) {
   }
   EXPECT_EQ(methods,
             (std::set<std::string>{"multi_store_2_8", "multi_store_3_8", "fsh", "static", "replace"}));
+  // Every share counted once more from the single images.
+  for (const auto& f : json.at("tours")) {
+    const ToursRun run = readToursRun(path("one/runs/" + f.at("method").get<std::string>() + ".json"));
+    double images = 0, failed = 0, few = 0, matched = 0;
+    for (const TourRecord& tour : run.tours)
+      for (const TourQuery& q : tour.queries) {
+        double passed = 1e9, next = 1e9;  // way to the place behind and to the one ahead
+        int behind = -1, ahead = -1;
+        for (std::size_t p = 0; p < run.placeArcs.size(); ++p) {
+          const double way = std::fmod(q.arc - run.placeArcs[p] + 10 * run.tourLength, run.tourLength);
+          if (way < passed) passed = way, behind = static_cast<int>(p);
+          const double on = std::fmod(run.placeArcs[p] - q.arc + 10 * run.tourLength, run.tourLength);
+          if (on < next) next = on, ahead = static_cast<int>(p);
+        }
+        ++images;
+        failed += q.winner != behind && q.winner != ahead;
+        few += q.matched < 35;
+        matched += q.matched;
+      }
+    EXPECT_EQ(f.at("queries").get<double>(), images);
+    EXPECT_NEAR(f.at("failure_rate").get<double>(), failed / images, 1e-9);
+    EXPECT_NEAR(f.at("share_under_35").get<double>(), few / images, 1e-9);
+    EXPECT_NEAR(f.at("mean_matched").get<double>(), matched / images, 1e-9);
+  }
+  std::set<std::string> inTheRoom;
+  for (const auto& f : json.at("room")) {
+    inTheRoom.insert(f.at("method").get<std::string>());
+    EXPECT_EQ(f.at("images"), 11);  // 12 with --quick, less the reference view
+    EXPECT_GT(f.at("mean_matched").get<double>(), 0);
+    if (f.at("method") == "static") {
+      EXPECT_EQ(f.at("mean_ltm"), 600);
+    }
+  }
+  EXPECT_EQ(inTheRoom, methods);
   const std::string csv = read("one/tours.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 5 * 3);  // methods, tours but the first
 

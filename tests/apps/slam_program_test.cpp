@@ -203,6 +203,29 @@ TEST_F(SlamTest, MapOfAnotherCameraExtractorOrMemoryIsRefusedByName) {
   EXPECT_TRUE(bytesOf(map) == before);
 }
 
+/// what the places remember by changes only where the user says so, and the map says it, too.
+TEST_F(SlamTest, OtherParametersOfMemoryWordsOrAppearanceAreRefusedByNameUnlessAccepted) {
+  const std::string map = mapCopy(), before = bytesOf(map);
+  const std::vector<std::string> extend{config(), "--rawlog", rawlog(2), "--map", map, "--extend", "-q"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), extend.begin(), extend.end());
+    return more;
+  };
+  EXPECT_THAT(refusal(with({"--set", "fsh.prune_view=3", "--set", "fsh.ltm_threshold=0.5"})),
+              AllOf(HasSubstr("[fsh] ltm_threshold = 0.5 (was 0.7), [fsh] prune_view = 3 (was 4)"),
+                    HasSubstr("--accept-parameters")));
+  EXPECT_THAT(refusal(with({"--set", "memory.update_policy=per_pass"})),
+              HasSubstr("[memory] update_policy = per_pass (was per_image)"));
+  EXPECT_TRUE(bytesOf(map) == before);
+  // What a run does with its images may differ from drive to drive.
+  EXPECT_EQ(slam(with({"--set", "select.min_distance=0.6", "--to", "4"})).code, kOk);
+  ASSERT_EQ(slam(with({"--set", "fsh.prune_view=3", "--accept-parameters", "--from", "4", "--to", "8"})).code,
+            kOk);
+  const auto drives = store::MapFile::open(map, store::Access::kReadOnly).drives();
+  EXPECT_THAT(drives.back().source, HasSubstr("with [fsh] prune_view = 3 (was 4)"));
+  EXPECT_THAT(drives[drives.size() - 2].source, ::testing::Not(HasSubstr("(was")));
+}
+
 TEST_F(SlamTest, UnreadableRawlogsAreRefused) {
   const auto message = [&](const std::string& name) {
     return refusal({config(), "--rawlog", path(name), "--map", path("m.engram"), "-q"});

@@ -472,5 +472,37 @@ TEST(BayesFilter, RefusesBadInput) {
               testing::ThrowsMessage<base::ConfigError>(HasSubstr("sigma_hops")));
 }
 
+/// D-03: each image by itself.
+TEST(WinnerTakesAll, TheMostLikelyPlaceOfTheLastImageHasEverything) {
+  BeliefParams params;
+  params.filter = "winner_takes_all";
+  for (const std::string advance : {"none", "learned", "odometry"}) {
+    params.advance = advance;
+    BayesFilter filter(params, false);
+    const Adjacency chain =
+        Adjacency::fromEdges(5, std::vector<std::pair<int, int>>{{0, 1}, {1, 2}, {2, 3}, {3, 4}});
+    filter.reset(5);
+    for (const std::size_t place : {4u, 0u, 3u, 3u, 1u}) {
+      filter.predict(chain);
+      ASSERT_TRUE(filter.update(at(5, place, 0.999)));
+      for (std::size_t i = 0; i < 5; ++i)
+        EXPECT_NEAR(filter.posterior().places[i], i == place ? 1.0 : 0.0, 1e-12) << advance;
+    }
+  }
+}
+
+TEST(WinnerTakesAll, TheNewPlaceWinsOnlyWhereItIsMoreLikely) {
+  BeliefParams params;
+  params.filter = "winner_takes_all";
+  BayesFilter filter(params, true);
+  filter.reset(3);
+  filter.update({.places = {0.2, 0.5, 0.5}, .newPlace = 0.5});
+  EXPECT_EQ(filter.posterior().places, (std::vector<double>{0, 1, 0}));
+  filter.update({.places = {0.2, 0.5, 0.5}, .newPlace = 0.6});
+  EXPECT_EQ(filter.posterior().newPlace, 1);
+  filter.update({.places = {0.7, 0.5, 0.5}, .newPlace = 0.6});
+  EXPECT_EQ(filter.posterior().places, (std::vector<double>{1, 0, 0}));
+}
+
 }  // namespace
 }  // namespace engram::belief

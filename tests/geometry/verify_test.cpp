@@ -199,6 +199,7 @@ TEST(Verify, CovarianceMatchesTheErrorsWithOutliers) {
 TEST(Verify, ConicAgreesWithTheAngle) {
   VerifyParams conic;
   conic.residual = "conic";
+  conic.conic_xi = 0.97;
   // One degree at the horizon is 0.0175 / (1 + ...) of the plane; the two tests differ in shape, not in
   // verdict.
   conic.max_conic_distance = 0.02;
@@ -209,6 +210,39 @@ TEST(Verify, ConicAgreesWithTheAngle) {
     EXPECT_TRUE(b.ok());
     EXPECT_LT(errorDegrees(scene, b), 5);
     EXPECT_NEAR(static_cast<double>(b.inliers.size()), static_cast<double>(a.inliers.size()), 25);
+  }
+}
+
+/// F-E17: a camera that looks up, down or ahead, its rays in any frame: what is near the conic of the image
+/// is so whatever frame the rays are given in. Without the turn to the optics other pairs would agree.
+TEST(Verify, TheConicIsThatOfTheOpticsWhateverTheFrameOfTheRays) {
+  VerifyParams conic;
+  conic.residual = "conic";
+  conic.conic_xi = 0.8;
+  conic.max_conic_distance = 0.005;
+  base::Rng rng(11);
+  const Scene scene = makeScene({.inlierShare = 0.5, .sigma = deg(0.2)}, rng);
+  const Views inCamera = toViews(scene);
+  const Verification expected = verify(inCamera.a, inCamera.b, inCamera.matches, kUp, conic);
+  ASSERT_TRUE(expected.ok());
+  for (const double pitch : {0.0, M_PI / 2, M_PI}) {
+    const Eigen::Matrix3d R_robot_cam =
+        Eigen::AngleAxisd(pitch, Eigen::Vector3d(1, 2, 0).normalized()).toRotationMatrix();
+    Views turned = inCamera;
+    for (auto* view : {&turned.a, &turned.b})
+      for (auto& ray : view->bearings) ray = R_robot_cam.cast<float>() * ray;
+    VerifyParams params = conic;
+    params.R_optics_ray = R_robot_cam.transpose();
+    const Verification found = verify(turned.a, turned.b, turned.matches, R_robot_cam * kUp, params);
+    EXPECT_NEAR(static_cast<double>(found.inliers.size()), static_cast<double>(expected.inliers.size()), 6);
+    const Eigen::Matrix3d R = R_robot_cam.transpose() * found.T_a_b.T_a_b.linear() * R_robot_cam;
+    EXPECT_LT(rotationError(R, scene.truth.R_a_b), deg(0.5));
+    EXPECT_LT(angleBetween(R_robot_cam.transpose() * found.T_a_b.T_a_b.translation(), scene.truth.t_a_b),
+              deg(5));
+    if (pitch == 0) continue;
+    params.R_optics_ray.setIdentity();
+    const Verification wrong = verify(turned.a, turned.b, turned.matches, R_robot_cam * kUp, params);
+    EXPECT_NE(wrong.inliers, found.inliers);
   }
 }
 

@@ -45,6 +45,10 @@ const std::vector<GoldenCase>& cases() {
       {"visual_scans", "stereo"},
       {"visual_scans", "stereo", {"posegraph.relaxer=ceres"}, "+graph"},
       {"paper_scans", "stereo"},
+      {"paper_fsh", "omni"},
+      {"paper_stm_ltm", "omni"},
+      {"paper_words", "pinhole"},
+      {"paper_views", "stereo"},
   };
   return all;
 }

@@ -101,6 +101,25 @@ TEST(InsertionVote, ReproducesTheFigureForTheL2Norm) {
   EXPECT_GT(median(byMax), median(l2));
 }
 
+/// By rank every tail gives the same votes, and a threshold of 0.7 takes three tenths of a first view.
+TEST(InsertionVote, ByRankDoesNotDependOnTheTail) {
+  FshParams params;
+  params.new_vote = "rank";
+  std::vector<types::Keypoint> keypoints(5);
+  const std::vector<float> responses{-9, 0.5f, 0.5f, 1e6f, 2};
+  for (std::size_t i = 0; i < 5; ++i) keypoints[i].response = responses[i];
+  EXPECT_THAT(insertionVotes(keypoints, params), testing::ElementsAre(0.8, 0.4, 0.4, 1.0, 0.6));
+  params.vote = 2;
+  EXPECT_THAT(insertionVotes(keypoints, params), testing::ElementsAre(1.6, 0.8, 0.8, 2.0, 1.2));
+  params = bareParams();
+  params.new_vote = "rank";
+  std::vector<int> identities(100);
+  std::iota(identities.begin(), identities.end(), 0);
+  std::vector<float> tail;
+  for (const int i : identities) tail.push_back(std::exp(0.2f * static_cast<float>(i)));
+  EXPECT_EQ(Fsh(params).start(makeFeatures(identities, tail)).longTerm().size(), 31u);
+}
+
 TEST(InsertionVote, UsesTheMagnitudeAndSurvivesADetectorWithoutResponses) {
   std::vector<types::Keypoint> keypoints(2);
   keypoints[0].response = -4;

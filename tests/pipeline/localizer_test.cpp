@@ -9,6 +9,7 @@
 #include "tiny_map.h"
 
 #include <gmock/gmock.h>
+#include <opencv2/core.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -190,6 +191,40 @@ TEST(Localizer, LearnsNothingFromTheFirstAnswers) {
     if (accepted == tinyParams().recognise.learn_after - 1) break;
   }
   EXPECT_TRUE(localizer.finish().empty());
+}
+
+/// F algorithm 2 as printed (F-E16): the first image is learnt at the best guess, and so is one of a black
+/// wall.
+TEST(Localizer, UngatedTheBestGuessLearnsEveryImage) {
+  PipelineParams params = tinyParams();
+  params.memory.gate = "none";
+  Pipeline localizer(params, firstMap(), Use::kAdapting);
+  int unverified = 0;
+  for (std::size_t i = 0; i < 12; ++i) {
+    const auto report = localizer.process(secondDrive().frames[i]);
+    ASSERT_TRUE(report.bestGuess.valid());
+    EXPECT_EQ(report.learnt, (std::vector<base::PlaceId>{report.bestGuess}));
+    EXPECT_GT(report.memory.rehearsed + report.memory.added, 0);
+    unverified += report.outcome != Outcome::kRecognised;
+  }
+  types::Frame elsewhere = secondDrive().frames[12];  // what no place of the map looks like
+  cv::theRNG().state = 1;
+  cv::randu(elsewhere.image, 0, 255);
+  const auto report = localizer.process(elsewhere);
+  EXPECT_NE(report.outcome, Outcome::kRecognised);
+  EXPECT_EQ(report.learnt.size(), 1u);
+  EXPECT_TRUE(localizer.finish().empty());
+  localizer.map().checkInvariants();
+}
+
+TEST(Localizer, UngatedLearningLeavesAFrozenMapAlone) {
+  PipelineParams params = tinyParams();
+  params.memory.gate = "none";
+  const std::string before = dump(firstMap().content());
+  Pipeline localizer(params, firstMap(), Use::kFrozen);
+  for (std::size_t i = 0; i < 4; ++i) localizer.process(secondDrive().frames[i]);
+  localizer.finish();
+  EXPECT_EQ(dump(localizer.map().content()), before);
 }
 
 TEST(Localizer, StandingRobotLearnsOnce) {

@@ -3,6 +3,7 @@
 #include "engram/pipeline/perception.h"
 
 #include "engram/base/error.h"
+#include "engram/cameras/unified_sphere.h"
 #include "tiny_drive.h"
 
 #include <gmock/gmock.h>
@@ -125,6 +126,34 @@ TEST(Perception, GreyImageGivesNearlyTheFeaturesOfTheColourOne) {
   cv::Mat grey;
   cv::cvtColor(picture(), grey, cv::COLOR_BGR2GRAY);
   EXPECT_EQ(perception(grey).descriptors, perception(picture()).descriptors);
+}
+
+/// F-E17: the conic is that of the mirror, in its own frame, for cameras that look up and down.
+TEST(Perception, TheConicHasTheFrameAndTheMirrorOfTheCalibration) {
+  geometry::VerifyParams verify;
+  verify.residual = "conic";
+  for (const double roll : {0.0, std::numbers::pi}) {
+    cameras::CameraRig rig = cameras::loadCamera(omni().file);
+    rig.T_robot_cam.linear() =
+        Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()).toRotationMatrix() * rig.T_robot_cam.linear();
+    const auto* mirror = dynamic_cast<const cameras::UnifiedSphere*>(rig.camera.get());
+    ASSERT_NE(mirror, nullptr);
+    Perception perception(rig, {});
+    const geometry::VerifyParams params = perception.withOptics(verify);
+    EXPECT_EQ(params.conic_xi, mirror->xi());
+    ASSERT_THAT(perception.refusal(picture()), IsEmpty());
+    const types::Features f = perception(picture());
+    ASSERT_GT(f.size(), 50u);
+    for (std::size_t i = 0; i < f.size(); i += 7) {
+      const Eigen::Vector3d ray = params.R_optics_ray * f.bearings[i].cast<double>();
+      const auto pixel = rig.camera->project(ray);
+      ASSERT_TRUE(pixel);
+      EXPECT_NEAR(pixel->x(), f.keypoints[i].x, 0.6);
+      EXPECT_NEAR(pixel->y(), f.keypoints[i].y, 0.6);
+    }
+  }
+  verify.conic_xi = 0.5;
+  EXPECT_EQ(Perception(omni(), {}).withOptics(verify).conic_xi, 0.5) << "a value that is given stays";
 }
 
 }  // namespace

@@ -71,6 +71,10 @@ TEST(Recipe, ShippedConfigurationsAreTheSystemsOfTheirPapers) {
   EXPECT_EQ(nameOf("view_map"), "views");
   EXPECT_EQ(nameOf("visual_scans"), "scans");
   EXPECT_EQ(nameOf("paper_scans"), "scans");
+  EXPECT_EQ(nameOf("paper_fsh"), "fsh");
+  EXPECT_EQ(nameOf("paper_stm_ltm"), "multi_store");
+  EXPECT_EQ(nameOf("paper_words"), "words");
+  EXPECT_EQ(nameOf("paper_views"), "views");
 }
 
 TEST(Recipe, AKeyWithoutEffectIsRefusedWithFileLineSectionAndKey) {
@@ -115,6 +119,16 @@ INSTANTIATE_TEST_SUITE_P(
         Inert{"[upkeep]\nupkeep = lru_views\n", "[upkeep] upkeep", kViewMap},
         Inert{"[upkeep]\nmax_views = 5\n", "[upkeep] max_views",
               "[mapping]\nnodes = views\n[upkeep]\nupkeep = lru_views\n"}));
+
+TEST(Recipe, AWinnerAndAnOpenGateMakeKeysIneffective) {
+  for (const std::string text : {"teleport = 0.1\n", "advance = none\n", "sigma_hops = 1\n"}) {
+    EXPECT_THAT(complaint("[belief]\n" + text), IsEmpty()) << text;
+    EXPECT_THAT(complaint("[belief]\nfilter = winner_takes_all\n" + text), HasSubstr("by itself")) << text;
+  }
+  const std::string lesson = "[recognise]\nlearn_after = 2\n";
+  EXPECT_THAT(complaint(lesson), IsEmpty());
+  EXPECT_THAT(complaint("[memory]\ngate = none\n" + lesson), HasSubstr("learns every image at once"));
+}
 
 /// The other way round: what maps of views do not look at.
 TEST(Recipe, KeysOfPlacesHaveNoEffectOnViews) {
@@ -173,6 +187,10 @@ TEST(Recipe, CombinationsThatNoSystemHasAreRefused) {
   params.appearance.channel = "hog";
   params.place.keep_thumbnails = 32;
   EXPECT_THAT(refusal(params), HasSubstr("keep_thumbnails of 64 or more"));
+  params = engram::testing::tinyParams();
+  params.belief.filter = "winner_takes_all";
+  params.appearance.channel = "hog";
+  EXPECT_THAT(refusal(params), HasSubstr("winner_takes_all needs [appearance] channel = none"));
   params = engram::testing::tinyParams();
   params.mapping.nodes = "views";
   EXPECT_THAT(refusal(params), HasSubstr("both eyes of a stereo camera"));

@@ -150,15 +150,39 @@ TEST(WordScorer, DoesNotDependOnThreads) {
 
 TEST(WordScorer, MapperMapsWithIt) {
   Pipeline mapper(wordParams(30)), reference(tinyParams());
-  int recognised = 0, byMatches = 0;
+  int recognised = 0, byMatches = 0, wrong = 0;
+  const auto& truth = firstDrive().T_world_robot;
   for (const auto& frame : firstDrive().frames) {
-    recognised += mapper.process(frame).outcome == types::Outcome::kRecognised;
+    const types::FrameReport report = mapper.process(frame);
     byMatches += reference.process(frame).outcome == types::Outcome::kRecognised;
+    if (report.outcome != types::Outcome::kRecognised) continue;
+    ++recognised;
+    const auto made = static_cast<std::size_t>(mapper.map().place(report.place).createdIndex);
+    const auto here = static_cast<std::size_t>(frame.index);
+    wrong += (truth[made].translation() - truth[here].translation()).norm() > 2;
   }
   mapper.map().checkInvariants();
   EXPECT_GE(recognised, byMatches - 2);
   EXPECT_NEAR(static_cast<double>(mapper.map().places().size()),
               static_cast<double>(reference.map().places().size()), 2);
+  EXPECT_EQ(wrong, 0);
+}
+
+/// D-03: the order of the places is that of the numbers of matches, whatever they remember.
+TEST(MatchedPoints, CountMatchesAndNothingElse) {
+  PipelineParams params = tinyParams();
+  params.recognise.scorer = "matched_points";
+  const auto scorer = loaded(params);
+  for (const std::size_t frame : {3u, 11u}) {
+    const types::Features view = featuresOf(secondDrive().frames[frame]);
+    const auto scores = scorer->scores(view);
+    ASSERT_EQ(scores.size(), places().size());
+    for (std::size_t i = 0; i < scores.size(); ++i) {
+      const auto matches = features::match(view, longTerm(places()[i]), params.match).size();
+      EXPECT_DOUBLE_EQ(scores[i] * scores[i] * static_cast<double>(view.size()),
+                       static_cast<double>(matches));
+    }
+  }
 }
 
 }  // namespace

@@ -45,6 +45,29 @@ const cv::Mat& spot(int i = 0) { return firstDrive().frames[static_cast<std::siz
 
 constexpr int kImages = 120;
 
+/// wheels that turn before the same wall make nothing new.
+TEST(Standing, WithABoundOfSimilarityTheImageIsAskedBesideTheWheels) {
+  for (const double bound : {1.0, 0.9}) {
+    PipelineParams params = tinyParams();
+    params.select.max_similarity = bound;
+    Pipeline mapper(params);
+    int taken = 0;
+    for (int i = 0; i < 6; ++i) {
+      types::Frame frame;
+      frame.index = static_cast<std::uint64_t>(i);
+      frame.stamp = i;
+      frame.image = i < 4 ? spot() : spot(12);
+      frame.T_odom_robot = Eigen::Isometry3d(Eigen::Translation3d(0.6 * i, 0, 0));
+      const auto report = mapper.process(frame);
+      taken += report.outcome != types::Outcome::kSkipped;
+      if (i == 2 && bound < 1) {
+        EXPECT_EQ(report.reason, "the image is too similar to the last one");
+      }
+    }
+    EXPECT_EQ(taken, bound < 1 ? 2 : 6);
+  }
+}
+
 TEST(Standing, NoiseOfTheSensorMakesNoPlaces) {
   EXPECT_EQ(placesOf([](int i) { return noisy(spot(), 6, i); }, kImages), 1u);
 }

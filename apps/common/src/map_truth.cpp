@@ -4,6 +4,7 @@
 
 #include "engram/base/error.h"
 #include "engram/evaluation/trajectory_error.h"
+#include "engram/map/joined_path.h"
 #include "engram/types/se3.h"
 
 #include <Eigen/Cholesky>
@@ -101,15 +102,19 @@ std::optional<PoseError> MapTruth::poseError(const map::TopologicalMap& map,
   return PoseError{error.head<2>().norm(), std::abs(error[2]), error.dot(cov.llt().solve(error)) / 3};
 }
 
-std::optional<double> trajectoryError(const map::TopologicalMap& map, int session,
-                                      const evaluation::Trajectory& truth) {
-  evaluation::Trajectory path;
+std::optional<PathError> trajectoryError(const map::TopologicalMap& map, int session,
+                                         const evaluation::Trajectory& truth) {
+  std::vector<map::PathPoint> drive;
   for (const auto& point : map.path())
-    if (point.session == session && (path.empty() || point.stamp > path.back().stamp))
+    if (point.session == session) drive.push_back(point);
+  const map::JoinedPath joined = map::joinedPath(map, drive);
+  evaluation::Trajectory path;
+  for (const auto& point : joined.points)
+    if (path.empty() || point.stamp > path.back().stamp)
       path.push_back({point.stamp, map.T_map_robot(point)});
   const auto error = evaluation::ate(path, truth, evaluation::Alignment::kSe2);
   if (!error) return std::nullopt;
-  return error->rmse;
+  return PathError{error->rmse, joined.apart};
 }
 
 }  // namespace engram::apps

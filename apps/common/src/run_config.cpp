@@ -142,6 +142,14 @@ std::string RunConfig::dump(const base::Config& config) const {
   });
 }
 
+/// K saw no false match from 30 inliers on, and asked for 80 itself (K-E5).
+std::string RunConfig::warning() const {
+  constexpr int kSafe = 30;
+  if (pipeline.mapping.nodes != "views" || pipeline.stereo.min_inliers >= kSafe) return {};
+  return "warning: [stereo] min_inliers = " + std::to_string(pipeline.stereo.min_inliers) +
+         ": links between views that less than " + std::to_string(kSafe) + " points confirm may be false";
+}
+
 std::string RunConfig::dumpForMap() const {
   RunConfig copy = *this;
   copy.pipeline.recognise.threads = 1;  // the map does not depend on it

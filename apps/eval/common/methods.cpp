@@ -21,6 +21,28 @@ Method multiStore(const pipeline::PipelineParams& pipeline, int shortTerm, int l
   return method;
 }
 
+/// F-15 so that the votes decide, not the floor (F-E10): new features by the rank of their response, every
+/// sighting nearly a whole vote, votes that fade by a fifth an update, and a floor of a few tens. Of
+/// thresholds from 0.1 to 0.7, with and without fading, this did best.
+Method voting(const pipeline::PipelineParams& pipeline) {
+  Method method = memoryMethod("fsh_votes", pipeline, "fsh");
+  memory::FshParams& fsh = method.params.fsh;
+  fsh.new_vote = "rank";
+  fsh.vote_variance = "fixed";
+  fsh.fixed_sigma = 0.5;
+  fsh.ltm_threshold = 0.3;
+  fsh.ltm_min_features = 40;
+  fsh.decay = 0.8;
+  return method;
+}
+
+/// F algorithm 2 as printed (F-E16).
+Method ungated(const pipeline::PipelineParams& pipeline) {
+  Method method = memoryMethod("fsh_ungated", pipeline, "fsh");
+  method.params.memory.gate = "none";
+  return method;
+}
+
 }  // namespace
 
 std::vector<Method> comparedMethods(const pipeline::PipelineParams& pipeline, int bowWords) {
@@ -33,6 +55,8 @@ std::vector<Method> comparedMethods(const pipeline::PipelineParams& pipeline, in
                               memoryMethod("replace", pipeline, "replace"),
                               memoryMethod("fsh_learned", pipeline, "fsh")};
   methods.back().params.fsh.thresholds = "learned";
+  methods.push_back(voting(pipeline));
+  methods.push_back(ungated(pipeline));
   return methods;
 }
 

@@ -3,6 +3,8 @@
 #include "memory/memory_command.h"
 
 #include "common/methods.h"
+#include "engram/pipeline/perception.h"
+#include "memory/paper_findings.h"
 
 #include <algorithm>
 
@@ -45,6 +47,7 @@ std::string summaryOf(const MemoryReport& report) {
   std::string text = line("After update %d, %% within %.2f places [95 %% interval]:\n", report.lab.updates,
                           kSuccessDistance);
   text += tableOf(last).toText();
+  text += tableOf(paperFindings(report.figures)).toText();
   if (!report.staticPlaces.empty()) text += toText(report.staticPlaces);
   return text;
 }
@@ -58,6 +61,7 @@ Findings findingsOf(const MemoryReport& report) {
                       {"results", tableOf(report.figures).toJson()},
                       {"sweeps", tableOf(report.swept).toJson()},
                       {"advantages", tableOf(report.advantages).toJson()},
+                      {"findings", tableOf(paperFindings(report.figures)).toJson()},
                       {"static_place", tableOf(report.staticPlaces).toJson()}};
   findings.summary = summaryOf(report);
   findings.report = "report.html";
@@ -97,7 +101,11 @@ void MemoryCommand::configure(base::Config& config) {
   pipeline_.bind(config);
 }
 
-void MemoryCommand::check() { methods_ = chosen(comparedMethods(pipeline_, lab_.bow_words), names_); }
+void MemoryCommand::check() {
+  const world::Eyes eyes = world::presetEyes("omni");
+  pipeline_.verify = pipeline::withOptics(pipeline_.verify, &eyes.left);
+  methods_ = chosen(comparedMethods(pipeline_, lab_.bow_words), names_);
+}
 
 Findings MemoryCommand::measure(const Workplace& place, const std::string& settings) {
   MemoryLab lab(lab_, pipeline_, place);

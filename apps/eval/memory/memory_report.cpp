@@ -5,6 +5,7 @@
 #include "common/experiment.h"
 #include "engram/charts/charts.h"
 #include "engram/charts/page.h"
+#include "memory/paper_findings.h"
 
 #include <algorithm>
 #include <functional>
@@ -83,6 +84,12 @@ void addFinalTable(Page& page, const MemoryReport& report) {
             "probable place; in brackets the 95 % interval",
         true));
   }
+}
+
+void addFindings(Page& page, const MemoryReport& report) {
+  page.table(
+      tableOf(paperFindings(report.figures))
+          .toPage("What the paper found, and whether we do. By mean values; the intervals are above", true));
 }
 
 void addAdvantages(Page& page, const MemoryReport& report) {
@@ -242,6 +249,7 @@ std::string toHtml(const MemoryReport& report) {
       "the test drives.");
   page.heading("Results after the last update");
   addFinalTable(page, report);
+  addFindings(page, report);
   addAdvantages(page, report);
   for (const auto& condition : conditions()) addCondition(page, report, condition.name);
   addMemory(page, report);

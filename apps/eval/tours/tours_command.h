@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/experiment.h"
+#include "tours/room_lab.h"
 #include "tours/tours_lab.h"
 
 namespace engram::apps {
@@ -21,6 +22,7 @@ class ToursCommand final : public Experiment {
   Findings measure(const Workplace& place, const std::string& settings) override;
 
   ToursParams tours_;
+  RoomParams room_;
   world::WorldParams world_;
   pipeline::PipelineParams pipeline_;
 };

@@ -216,8 +216,8 @@ std::string toText(const std::vector<ToursFigure>& figures, const std::vector<To
       any.placeArcs.size());
   text += tableOf(figures, fewMatches).toText();
   text +=
-      "paper, adaptive    1.5                  -                     24                    98.8 +-  18.7\n"
-      "paper, static      3.5                  -                     43                    45.2 +-  25.4\n";
+      "paper, adaptive    1.5                  -                     24\n"
+      "paper, static      3.5                  -                     43\n";
   for (const auto& f : figures) {
     if (f.method == "static" || !f.failureOver.known()) continue;
     text += line("%-16s less static, in points: failure %s, under %d matched %s\n", f.method.c_str(),

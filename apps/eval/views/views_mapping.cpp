@@ -4,6 +4,7 @@
 
 #include "common/cpu_clock.h"
 #include "engram/evaluation/trajectory_error.h"
+#include "engram/map/joined_path.h"
 #include "engram/pipeline/pipeline.h"
 #include "engram/store/map_file.h"
 
@@ -133,7 +134,7 @@ ViewSession ViewMapping::add(const ShownDrive& shown) {
 /// Drives may overlap in time: each is paired with its own truth.
 double ViewMapping::ate() const {
   evaluation::Trajectory estimate, truth;
-  for (const auto& point : map_.path()) {
+  for (const auto& point : map::joinedPath(map_, map_.path()).points) {
     const auto pose = evaluation::poseAt(truth_.at(point.session), point.stamp);
     if (!pose) continue;
     const double number = static_cast<double>(estimate.size());
@@ -143,6 +144,8 @@ double ViewMapping::ate() const {
   const auto error = evaluation::ate(estimate, truth, evaluation::Alignment::kSe3);
   return error ? error->rmse : std::numeric_limits<double>::quiet_NaN();
 }
+
+double ViewMapping::apart() const { return map::joinedPath(map_, map_.path()).apart; }
 
 LocatedShare locateEach(const map::TopologicalMap& map, const ShownDrive& shown,
                         const pipeline::PipelineParams& params, double every, double rightWithin) {

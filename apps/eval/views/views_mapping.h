@@ -56,7 +56,10 @@ class ViewMapping {
 
   const map::TopologicalMap& map() const { return map_; }
   /// Root mean square error of all views' positions along all drives, after one alignment in space [m].
+  /// Without those in other parts of the map than most of them (K-E14).
   double ate() const;
+  /// Share of the positions in other parts.
+  double apart() const;
   /// Way of the robot over all drives [m].
   double length() const { return length_; }
 

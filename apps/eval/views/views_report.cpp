@@ -132,6 +132,7 @@ ResultTable tableOf(const std::vector<OrderedRun>& orders, double tour) {
       .page("false links");
   c.add("ate_m", &R::ate).json().page("error [m]", fixed(3));
   c.add("", [tour](const R& r) { return 100 * r.ate / tour; }).page("of a round [%]", fixed(2));
+  c.add("ate_apart", &R::apart).json().page("apart [%]", percent(1));
   return c.table(orders);
 }
 
@@ -247,6 +248,7 @@ json toJson(const ViewsResult& result) {
           {"path_m", first.length},
           {"ate_m", first.ate},
           {"ate_percent", 100 * first.ate / result.tour},
+          {"ate_apart", first.apart},
           {"sessions", tableOf(sessionsOf("", first.sessions)).toJson()},
           {"random_orders",
            {{"views_spread", orders.viewsSpread},
@@ -273,9 +275,9 @@ std::string toText(const ViewsResult& result) {
   text += line("orders     %zu random ones: numbers of views differ by %.1f %%, error up to %.2f times\n",
                result.orders.size() - 1, 100 * orders.viewsSpread, orders.ateRatioMax);
   for (const auto& run : result.orders)
-    text += line("  %4d views, %d part(s), %d weak left, %d false, error %.3f m\n", run.sessions.back().views,
-                 run.sessions.back().parts, run.sessions.back().weakLeft,
-                 total(run.sessions, &ViewSession::falseLinks), run.ate);
+    text += line("  %4d views, %d part(s), %d weak left, %d false, error %.3f m, %.1f %% apart\n",
+                 run.sessions.back().views, run.sessions.back().parts, run.sessions.back().weakLeft,
+                 total(run.sessions, &ViewSession::falseLinks), run.ate, 100 * run.apart);
   const RepairRun& repair = result.repair;
   text += line(
       "repair     %zu covers: +%d views, %d links (%d to older views), %d false; %d weak links made, %d left "

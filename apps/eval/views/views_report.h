@@ -21,7 +21,8 @@ OrderFigures orderFigures(const std::vector<OrderedRun>& orders);
 int total(const std::vector<ViewSession>& sessions, int ViewSession::*member);
 
 /// Keys: sequences, views, links, weak_links_left, parts, false_links, ate_m, ate_percent (of one round),
-/// random_orders {views_spread, ate_ratio_max, runs}, repair, lifelong, kappa_table, recognition, spots.
+/// ate_apart, random_orders {views_spread, ate_ratio_max, runs}, repair, lifelong, kappa_table, recognition,
+/// spots.
 nlohmann::json toJson(const ViewsResult& result);
 std::string toText(const ViewsResult& result);
 

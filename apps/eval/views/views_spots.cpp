@@ -108,6 +108,23 @@ std::vector<EnvironmentClass> environmentClasses(int looks) {
            [looks](int look) { return look < looks * 3 / 4 ? look / 5 : -1; }, once}};
 }
 
+/// Poses at this distance ahead, behind and to both sides, turned by this angle to either side in turn.
+std::vector<Pose2> allRound(const Pose2& pose, const OffsetCell& cell) {
+  std::vector<Pose2> poses;
+  double turn = cell.angle;
+  for (const double way : {0.0, M_PI, M_PI / 2, -M_PI / 2}) {
+    poses.push_back(pose * Pose2{cell.distance * std::cos(way), cell.distance * std::sin(way), turn});
+    turn = -turn;
+    if (cell.distance == 0 && poses.size() == 2) break;
+  }
+  return poses;
+}
+
+bool onFloor(const world::Plan& plan, const Pose2& pose) {
+  return world::isFloor(plan.at(static_cast<int>(std::floor(pose.x / plan.cell)),
+                                static_cast<int>(std::floor(pose.y / plan.cell))));
+}
+
 }  // namespace
 
 std::vector<OffsetCell> ViewsWorld::offsets() const {
@@ -119,12 +136,14 @@ std::vector<OffsetCell> ViewsWorld::offsets() const {
   std::uint64_t seed = 1000;
   for (const Pose2& pose : poses) {
     const types::Features reference = spot.look(pose, seed += 2);
-    for (OffsetCell& cell : cells) {
-      const types::Features view = spot.look(pose * Pose2{cell.distance, 0, cell.angle}, seed += 2);
-      ++cell.tried;
-      cell.recognised +=
-          inliersOf(view, reference, eye_.pipeline, spot.camera().model) >= eye_.pipeline.stereo.min_inliers;
-    }
+    for (OffsetCell& cell : cells)
+      for (const Pose2& beside : allRound(pose, cell)) {
+        seed += 2;
+        if (!onFloor(building_->plan(), beside)) continue;
+        ++cell.tried;
+        cell.recognised += inliersOf(spot.look(beside, seed), reference, eye_.pipeline,
+                                     spot.camera().model) >= eye_.pipeline.stereo.min_inliers;
+      }
   }
   return cells;
 }

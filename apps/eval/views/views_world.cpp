@@ -126,12 +126,13 @@ std::vector<KeptDrive> ViewsWorld::keep(const world::World& world, const Eye& ey
 }
 
 OrderedRun ViewsWorld::mapInOrder(const std::vector<int>& order, const std::string& name) const {
-  OrderedRun run{order, {}, 0, 0};
+  OrderedRun run{.order = order, .sessions = {}};
   ViewMapping mapping(eye_.pipeline, place_.file("maps/" + name + ".engram"), params_.false_distance,
                       params_.false_angle);
   for (const int k : order)
     run.sessions.push_back(mapping.add(sequenceOf(drives_[static_cast<std::size_t>(k)], k, params_.wheels)));
   run.ate = mapping.ate();
+  run.apart = mapping.apart();
   run.length = mapping.length();
   return run;
 }

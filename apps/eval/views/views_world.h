@@ -43,6 +43,7 @@ struct OrderedRun {
   std::vector<int> order;  ///< of the sequences, from 0
   std::vector<ViewSession> sessions;
   double ate = 0, length = 0;  ///< [m]
+  double apart = 0;            ///< share of the way that is in other parts of the map
 };
 
 /// K-36.

@@ -23,7 +23,9 @@ double scale(Layers& layers, const std::vector<double>& factors) {
 }  // namespace
 
 BayesFilter::BayesFilter(BeliefParams params, bool hasNewPlace)
-    : params_(std::move(params)), hasNewPlace_(hasNewPlace) {
+    : params_(std::move(params)),
+      hasNewPlace_(hasNewPlace),
+      winnerTakesAll_(params_.filter == "winner_takes_all") {
   base::validate(params_);
   motion_ = makeMotionModel(params_);
   reset(0);
@@ -76,7 +78,7 @@ void BayesFilter::predict(const Adjacency& adjacency, const MotionHint& hint) {
   if (adjacency.size() != n) throw std::invalid_argument("BayesFilter::predict: another number of places");
   if (hint.hops && !(*hint.hops >= 0 && std::isfinite(*hint.hops)))
     throw std::invalid_argument("BayesFilter::predict: the distance travelled is negative or not finite");
-  if (n == 0) return;
+  if (n == 0 || winnerTakesAll_) return;
   if (!adjacency.poses.empty() && adjacency.poses.size() != n)
     throw std::invalid_argument("BayesFilter::predict: another number of poses than places");
   if (stepped_) motion_->learn(joint_, 1.0 - belief_.newPlace);
@@ -107,6 +109,10 @@ bool BayesFilter::update(const Likelihood& likelihood) {
     largest = std::max(largest, l);
   }
   if (largest <= 0) return false;
+  if (winnerTakesAll_) {
+    crown(likelihood);
+    return true;
+  }
   Layers joint = joint_;
   std::vector<double> factors(n);
   double total = 0;
@@ -125,6 +131,18 @@ bool BayesFilter::update(const Likelihood& likelihood) {
   if (!(total + newPlace > 1e-290)) return false;
   setJoint(std::move(joint), newPlace);
   return true;
+}
+
+/// The new place wins only where it is more likely than every place.
+void BayesFilter::crown(const Likelihood& likelihood) {
+  const auto& places = likelihood.places;
+  Layers joint(joint_.size(), std::vector<double>(places.size(), 0.0));
+  const auto best = std::max_element(places.begin(), places.end());
+  const bool isNew = hasNewPlace_ && (best == places.end() || likelihood.newPlace > *best);
+  if (!isNew)
+    for (std::size_t k = 0; k < joint.size(); ++k)
+      joint[k][static_cast<std::size_t>(best - places.begin())] = motion_->share(k);
+  setJoint(std::move(joint), isNew ? 1.0 : 0.0);
 }
 
 /// Takes the joint distribution, scaled to sum to 1, and its marginal over steps.

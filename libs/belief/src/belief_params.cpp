@@ -5,6 +5,10 @@
 namespace engram::belief {
 
 void BeliefParams::describe(base::Params& p) {
+  p.addChoice("filter", filter,
+              "what images in a row make of each other: a discrete Bayes filter; or nothing, the most likely "
+              "place of each image takes all belief",
+              {"bayes", "winner_takes_all"});
   p.add("sigma_hops", sigma_hops, "Gaussian of the motion model on graph distance [hops]", {0.05, 100});
   p.add("expected_hops", expected_hops,
         "its centre; 1 gives the neighbours more than the place itself [hops]", {0, 10});

@@ -29,8 +29,8 @@ int countOneByOne(std::span<const BearingPair> pairs, const Eigen::Matrix3d& E, 
 bool InlierTest::operator()(const Eigen::Matrix3d& E, const BearingPair& pair) const {
   const Eigen::Vector3d planeOfB = E * pair.b;
   if (conic) {
-    const Eigen::Matrix3d C = epipolarConic(planeOfB.normalized(), xi);
-    return conicDistance(C, toNormalisedPlane(pair.a, xi)) <= maxConicDistance;
+    const Eigen::Matrix3d C = epipolarConic(R_optics_ray * planeOfB.normalized(), xi);
+    return conicDistance(C, toNormalisedPlane(R_optics_ray * pair.a, xi)) <= maxConicDistance;
   }
   const double e = pair.a.dot(planeOfB);
   if (!(e * e <= sine * sine * planeOfB.squaredNorm())) return false;

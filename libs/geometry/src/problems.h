@@ -14,7 +14,8 @@ struct InlierTest {
   double sine = 0;     ///< of the largest angle between a ray and the epipolar plane of its partner
   bool conic = false;  ///< F eq (1) instead: distance of a from the conic of b, in the normalised plane
   double xi = 1;       ///< mirror parameter of the conic
-  double maxConicDistance = 0;  ///< [px / focal length]
+  double maxConicDistance = 0;                                 ///< [px / focal length]
+  Eigen::Matrix3d R_optics_ray = Eigen::Matrix3d::Identity();  ///< conic: z is the axis of the optics there
 
   bool operator()(const Eigen::Matrix3d& E_a_b, const BearingPair& pair) const;
 };

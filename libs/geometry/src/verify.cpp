@@ -39,7 +39,7 @@ class Verifier {
         up_(up),
         params_(params),
         test_{std::sin(params.max_angle), params.residual == "conic", params.conic_xi,
-              params.max_conic_distance} {}
+              params.max_conic_distance, params.R_optics_ray} {}
 
   Verification search() const;
 
@@ -295,7 +295,7 @@ void VerifyParams::describe(base::Params& p) {
   p.add("seed", seed, "of the random samples", {0, 2147483647});
   p.addChoice("residual", residual, "inlier test: angle on the sphere, or the conic of F eq (1)",
               {"angular", "conic"});
-  p.add("conic_xi", conic_xi, "residual = conic: mirror parameter xi of the camera", {0.01, 100});
+  p.add("conic_xi", conic_xi, "residual = conic: mirror parameter xi; 0: that of the calibration", {0, 100});
   p.add("max_conic_distance", max_conic_distance,
         "residual = conic: largest distance from the conic, in pixels divided by the focal length",
         {1e-6, 1});

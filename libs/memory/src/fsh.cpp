@@ -46,6 +46,20 @@ void rehearse(PlaceMemory& memory, const Features& view, std::span<const Match> 
   }
 }
 
+/// Responses have a heavy tail: by their norm a handful of features have votes near 1 and all others next to
+/// none. By rank they are spread evenly, whatever the tail (F-E8, F-E10).
+std::vector<double> votesByRank(std::span<const types::Keypoint> keypoints, double vote) {
+  std::vector<float> sorted;
+  for (const auto& keypoint : keypoints) sorted.push_back(std::abs(keypoint.response));
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<double> votes;
+  for (const auto& keypoint : keypoints) {
+    const auto above = std::upper_bound(sorted.begin(), sorted.end(), std::abs(keypoint.response));
+    votes.push_back(vote * static_cast<double>(above - sorted.begin()) / static_cast<double>(sorted.size()));
+  }
+  return votes;
+}
+
 /// F eq (3), F-E4.
 int insertNew(PlaceMemory& memory, const Features& stored, std::span<const Match> matches,
               const FshParams& params) {
@@ -167,8 +181,11 @@ void FshParams::describe(base::Params& p) {
   p.addChoice("vote_variance", vote_variance, "sigma_m^2 of F eq (2), see F-E7",
               {"second_moment", "literal", "fixed"});
   p.add("fixed_sigma", fixed_sigma, "sigma_m for vote_variance = fixed [descriptor distance]", {1e-6, 10});
-  p.addChoice("new_vote", new_vote, "norm that divides the response of a new feature, F eq (3)",
-              {"max", "l2"});
+  p.addChoice(
+      "new_vote", new_vote,
+      "norm that divides the response of a new feature, F eq (3); rank: the share of the features of the "
+      "image that are no stronger takes the place of both",
+      {"max", "l2", "rank"});
   p.add("ltm_min_features", ltm_min_features,
         "at least so many features are long-term, where there are so many", {1, 100000});
   p.add("max_features", max_features, "cap on the features of a place", {1, 100000});
@@ -213,6 +230,7 @@ std::vector<double> rehearsalVotes(std::span<const Match> matches, const FshPara
 }
 
 std::vector<double> insertionVotes(std::span<const types::Keypoint> keypoints, const FshParams& params) {
+  if (params.new_vote == "rank") return votesByRank(keypoints, params.vote);
   double largest = 0, squares = 0;
   for (const auto& keypoint : keypoints) {
     const double response = std::abs(static_cast<double>(keypoint.response));

@@ -12,6 +12,11 @@ void MemoryParams::describe(base::Params& p) {
   p.addChoice("update_policy", update_policy,
               "a place learns from each verified image, or once while the robot passes it",
               {"per_image", "per_pass"});
+  p.addChoice(
+      "gate", gate,
+      "localising with --adapt: a place learns what geometry has verified, or the most probable place "
+      "learns every image unverified, as F algorithm 2 has it: one wrong answer poisons a place",
+      {"verified", "none"});
 }
 
 std::unique_ptr<MemoryModel> makeMemoryModel(const MemoryParams& params, const FshParams& fsh,

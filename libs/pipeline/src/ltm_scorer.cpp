@@ -98,7 +98,8 @@ std::vector<double> LtmMatcher::scores(const types::Features& view,
   fetch(places);
   const std::vector<int> counts = matcher_.ratioMatchCounts(view, places, match_, threads_);
   std::vector<double> result(places.size());
-  for (std::size_t k = 0; k < result.size(); ++k) result[k] = similarity(counts[k], reference(places[k]));
+  for (std::size_t k = 0; k < result.size(); ++k)
+    result[k] = similarity(counts[k], counts_ ? static_cast<int>(view.size()) : reference(places[k]));
   return result;
 }
 

@@ -15,11 +15,13 @@ namespace engram::pipeline {
 
 types::Features longTermOf(const map::Place& place);
 
-/// F eq (8) by descriptors, every place by itself.
+/// F eq (8) by descriptors, or the number of matches alone (D-03), every place by itself.
 class LtmMatcher {
  public:
   explicit LtmMatcher(const PipelineParams& params)
-      : match_(params.match), threads_(params.recognise.threads) {}
+      : match_(params.match),
+        threads_(params.recognise.threads),
+        counts_(params.recognise.scorer == "matched_points") {}
 
   /// @param longTerm features of a place
   void set(std::size_t place, const types::Features& longTerm);
@@ -45,6 +47,7 @@ class LtmMatcher {
 
   features::MatchParams match_;
   int threads_;
+  bool counts_;  // matches alone
   mutable features::PlaceMatcher matcher_;
   mutable std::map<std::size_t, Deferred> deferred_;
   mutable std::size_t fetched_ = 0;  // of these, that are here
@@ -53,8 +56,9 @@ class LtmMatcher {
   std::int64_t total_ = 0;  // of the sizes
 };
 
-/// `ltm_match`: all places of a small map. In a larger one those that the index proposes, those that are
-/// likely for other reasons, and a sample of the others, which stands for all of these.
+/// `ltm_match` and `matched_points`: all places of a small map. In a larger one those that the index
+/// proposes, those that are likely for other reasons, and a sample of the others, which stands for all of
+/// these.
 class LtmMatchScorer final : public Scorer {
  public:
   explicit LtmMatchScorer(const PipelineParams& params);

@@ -44,6 +44,7 @@ std::unique_ptr<RememberStep> makeRemember(Remember remember, const Run& run) {
   if (remember == Remember::kPlace) return std::make_unique<PlaceRemember>(run);
   if (remember == Remember::kView) return std::make_unique<ViewRemember>();
   if (remember == Remember::kLater) return std::make_unique<LaterRemember>(run);
+  if (remember == Remember::kUngated) return std::make_unique<UngatedRemember>(run);
   return std::make_unique<NothingRemembered>();
 }
 

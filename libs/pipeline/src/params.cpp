@@ -10,6 +10,11 @@ void SelectParams::describe(base::Params& p) {
                "with odometry: or rotation from one keyframe to the next [deg]", {0, 180});
   p.add("standing_similarity", standing_similarity,
         "without odometry: an image this similar to the last keyframe is dropped", {0, 1});
+  p.add("max_similarity", max_similarity,
+        "with odometry: an image more similar to the last keyframe is dropped though the robot has moved "
+        "(A-05); "
+        "1: none",
+        {0, 1});
 }
 
 void PlaceParams::describe(base::Params& p) {
@@ -26,13 +31,15 @@ void PlaceParams::describe(base::Params& p) {
 }
 
 void RecogniseParams::describe(base::Params& p) {
-  p.addChoice("scorer", scorer,
-              "what scores the places: matches with long-term features, votes of the words of an incremental "
-              "dictionary, or of those of a vocabulary tree",
-              {"ltm_match", "tfidf_incremental", "vocabulary_tree"});
+  p.addChoice(
+      "scorer", scorer,
+      "what scores the places: matches with long-term features, as share of these or by their number alone, "
+      "votes of the words of an incremental dictionary, or of those of a vocabulary tree",
+      {"ltm_match", "matched_points", "tfidf_incremental", "vocabulary_tree"});
   p.add("exhaustive_places", exhaustive_places,
-        "ltm_match: in a map of more places an index proposes those that are matched", {1, 1e9});
-  p.add("proposals", proposals, "ltm_match: places that the index proposes", {1, 1e6});
+        "ltm_match, matched_points: in a map of more places an index proposes those that are matched",
+        {1, 1e9});
+  p.add("proposals", proposals, "ltm_match, matched_points: places that the index proposes", {1, 1e6});
   p.add("rescore", rescore,
         "tfidf_incremental: so many places with the most votes are scored again as by ltm_match; 0 leaves it "
         "to "

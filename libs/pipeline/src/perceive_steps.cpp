@@ -140,12 +140,25 @@ bool MotionSelect::wheelsDead(Run& run, const Seen& seen) {
   return true;
 }
 
+/// A-05 asks the image beside the wheels.
+bool MotionSelect::tooSimilar(const Run& run, const Seen& seen, types::FrameReport& report) const {
+  if (run.params.select.max_similarity >= 1) return false;
+  if (likeness(run, seen) <= run.params.select.max_similarity) return false;
+  report.reason = "the image is too similar to the last one";
+  return true;
+}
+
+double MotionSelect::likeness(const Run& run, const Seen& seen) const {
+  const auto matches = features::match(seen.features, last_, run.params.match);
+  return similarity(static_cast<int>(matches.size()), static_cast<int>(last_.size()));
+}
+
 bool MotionSelect::standing(Run& run, const Seen& seen, types::FrameReport& report) {
   if (last_.empty()) return false;
   const DeadReckoning& way = run.robot.sinceKeyframe();
   if (way.known() && !wheelsDead(run, seen)) {
     if (way.distance() >= run.params.select.min_distance || way.rotation() >= run.params.select.min_rotation)
-      return false;
+      return tooSimilar(run, seen, report);
     report.reason = "the robot has not moved";
     return true;
   }

@@ -49,6 +49,8 @@ class MotionSelect final : public SelectStep {
 
  private:
   bool standing(Run& run, const Seen& seen, types::FrameReport& report);
+  bool tooSimilar(const Run& run, const Seen& seen, types::FrameReport& report) const;
+  double likeness(const Run& run, const Seen& seen) const;
   bool wheelsDead(Run& run, const Seen& seen);
 
   types::Features last_;

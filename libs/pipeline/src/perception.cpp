@@ -4,6 +4,7 @@
 
 #include "engram/base/error.h"
 #include "engram/base/text.h"
+#include "engram/cameras/unified_sphere.h"
 #include "engram/types/se3.h"
 #include "engram/types/size_text.h"
 #include "step_timer.h"
@@ -171,6 +172,23 @@ std::string Perception::cameraText() const {
 
 Eigen::Vector3d Perception::eye() const {
   return rig_ ? Eigen::Vector3d(rig_->T_robot_cam.translation()) : Eigen::Vector3d::Zero();
+}
+
+geometry::VerifyParams withOptics(geometry::VerifyParams verify, const cameras::CameraRig* rig) {
+  if (verify.residual != "conic" || !verify.R_optics_ray.isIdentity()) return verify;  // or known already
+  const cameras::Camera* camera = rig ? rig->camera.get() : nullptr;
+  const auto* mirror = dynamic_cast<const cameras::UnifiedSphere*>(camera);
+  if (camera && !mirror && !dynamic_cast<const cameras::Pinhole*>(camera))
+    throw base::ConfigError(
+        "[verify] residual = conic needs a camera with a mirror or a lens, not a panorama");
+  if (verify.conic_xi == 0 && mirror) verify.conic_xi = mirror->xi();
+  const Eigen::Isometry3d T_robot_cam = rig ? rig->T_robot_cam : cameras::defaultMount("pinhole");
+  verify.R_optics_ray = T_robot_cam.linear().transpose();
+  return verify;
+}
+
+geometry::VerifyParams Perception::withOptics(geometry::VerifyParams verify) const {
+  return pipeline::withOptics(std::move(verify), rig_ ? &*rig_ : nullptr);
 }
 
 std::optional<appearance::Panorama> Perception::panorama() const {

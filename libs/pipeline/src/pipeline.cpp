@@ -22,6 +22,7 @@ std::unique_ptr<Run> makeRun(const PipelineParams& params, map::TopologicalMap m
                                        ClosureBook(params.posegraph),
                                        Whereabouts(params.odometry, wheels, frontier),
                                        session});
+  run->params.verify = run->perception.withOptics(params.verify);
   if (recipe.decide == Decide::kPlace || recipe.decide == Decide::kScan) run->closures.load(run->map);
   return run;
 }

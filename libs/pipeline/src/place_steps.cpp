@@ -245,6 +245,30 @@ std::vector<base::PlaceId> LaterRemember::finish(Run& run) {
   return report.learnt;
 }
 
+UngatedRemember::UngatedRemember(const Run& run) : memory_(modelOf(run.params)), gate_(run.params.memory) {}
+
+base::PlaceId UngatedRemember::remember(Run& run, const Keyframe& image, const Verified&,
+                                        const Decision& decision, types::FrameReport& report) {
+  const StepTimer timer(report, "remember");
+  const base::PlaceId here = report.bestGuess;
+  if (!here.valid()) return {};
+  gate_.accepted(here);
+  if (!gate_.open()) return {};
+  const PlaceMatch match =
+      heldAgainst(image.features, run.map.place(here).memory, run.params, run.perception.stereo());
+  const bool measured = decision.known && decision.known->place == here;
+  report.memory = teach(run, *memory_,
+                        {here, image.features, measured ? decision.T_known_robot : types::RelPose{}}, match);
+  report.learnt = {here};
+  gate_.learnt();
+  return {};
+}
+
+std::vector<base::PlaceId> UngatedRemember::finish(Run&) {
+  gate_.restart();
+  return {};
+}
+
 Relation PlaceRelate::relate(Run& run, const Keyframe& image, const Verified& verified,
                              const Decision& decision, base::PlaceId node, types::FrameReport& report) {
   const StepTimer timer(report, "relate");

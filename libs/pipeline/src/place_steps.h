@@ -81,6 +81,21 @@ class LaterRemember final : public RememberStep {
   std::vector<Lesson> lessons_;  // in the order of their images
 };
 
+/// F algorithm 2 as printed: the most probable place learns each image at once, whatever geometry says of it.
+/// For experiments (F-E16).
+class UngatedRemember final : public RememberStep {
+ public:
+  explicit UngatedRemember(const Run& run);
+  base::PlaceId remember(Run& run, const Keyframe& image, const Verified& verified, const Decision& decision,
+                         types::FrameReport& report) override;
+  std::vector<base::PlaceId> finish(Run& run) override;
+  void restart() override { gate_.restart(); }
+
+ private:
+  std::unique_ptr<memory::MemoryModel> memory_;
+  PassGate gate_;
+};
+
 /// A new place is joined to where the robot came from; at a known one a closure enters where the graph had no
 /// short way, and the robot goes on from there.
 class PlaceRelate final : public RelateStep {

@@ -37,6 +37,10 @@ constexpr std::array kRecipes{
 bool views(const PipelineParams& p) { return p.mapping.nodes == "views"; }
 bool scans(const PipelineParams& p) { return p.mapping.nodes == "scans"; }
 bool ofStereo(const PipelineParams& p) { return views(p) || scans(p); }
+bool matches(const PipelineParams& p) {
+  return p.recognise.scorer == "ltm_match" || p.recognise.scorer == "matched_points";
+}
+bool winner(const PipelineParams& p) { return p.belief.filter == "winner_takes_all"; }
 bool filtered(const PipelineParams& p) { return p.posegraph.relaxer == "ekf_scans"; }
 
 /// Keys of a section that a configuration makes ineffective; no keys: all of them.
@@ -66,12 +70,16 @@ const Rule kRules[] = {
     {"select", {}, views, "with [mapping] nodes = views the section [views] says which images are taken up"},
     {"recognise", {"rescore"}, [](const auto& p) { return p.recognise.scorer != "tfidf_incremental"; },
      "it needs [recognise] scorer = tfidf_incremental"},
-    {"recognise", {"exhaustive_places", "proposals"}, [](const auto& p) { return p.recognise.scorer != "ltm_match"; },
-     "it needs [recognise] scorer = ltm_match"},
+    {"recognise", {"exhaustive_places", "proposals"}, [](const auto& p) { return !matches(p); },
+     "it needs [recognise] scorer = ltm_match or matched_points"},
     {"recognise", {"closure_similarity"}, ofStereo,
      "with [mapping] nodes = views or scans nothing is believed while mapping"},
     {"belief", {"new_place_prior", "new_place_persistence"}, ofStereo,
      "with [mapping] nodes = views or scans nothing is believed while mapping"},
+    {"belief", {"sigma_hops", "expected_hops", "sigma_odometry", "hop_radius", "teleport", "new_place_prior",
+                "new_place_persistence", "advance", "advance_max", "advance_resolution", "advance_persistence",
+                "advance_blind", "advance_forgetting", "advance_headings", "view_sigma_deg"}, winner,
+     "[belief] filter = winner_takes_all looks at each image by itself"},
     {"belief", {"sum_of_gaussians"},
      [](const auto& p) { return p.belief.likelihood == "angeli" || p.belief.likelihood == "standardised"; },
      "[belief] likelihood = angeli and standardised have rules of their own"},
@@ -91,6 +99,8 @@ const Rule kRules[] = {
      "it needs [belief] advance = learned or odometry"},
     {"place", {"same_similarity", "patience"}, ofStereo,
      "with [mapping] nodes = views every keyframe is a node, with scans each that matches no other"},
+    {"recognise", {"learn_hops", "learn_after"}, [](const auto& p) { return p.memory.gate == "none"; },
+     "[memory] gate = none learns every image at once"},
     {"fsh", {}, [](const auto& p) { return p.memory.memory != "fsh"; }, "it needs [memory] memory = fsh"},
     {"multi_store", {}, [](const auto& p) { return p.memory.memory != "multi_store"; },
      "it needs [memory] memory = multi_store"},
@@ -134,6 +144,13 @@ void requirePictures(const PipelineParams& p) {
                             " or more: it compares the thumbnails of the places");
 }
 
+/// One image, one kind of evidence: there is nothing to weigh a second one against.
+void requireOneWitness(const PipelineParams& p) {
+  if (winner(p) && p.appearance.channel != "none")
+    throw base::ConfigError("[belief] filter = winner_takes_all needs [appearance] channel = none, not " +
+                            p.appearance.channel);
+}
+
 void requireStereo(const PipelineParams& p) {
   const std::string nodes = "[mapping] nodes = " + p.mapping.nodes;
   if (!p.camera.stereo)
@@ -164,6 +181,7 @@ std::span<const NamedRecipe> recipes() { return kRecipes; }
 
 const NamedRecipe& recipeOf(const PipelineParams& params) {
   requirePictures(params);
+  requireOneWitness(params);
   ofStereo(params) ? requireStereo(params) : requirePlaces(params);
   if (filtered(params) && !scans(params))
     throw base::ConfigError("[posegraph] relaxer = ekf_scans needs [mapping] nodes = scans");
@@ -176,6 +194,7 @@ const NamedRecipe& recipeOf(const PipelineParams& params) {
 Recipe recipeFor(const PipelineParams& params, Use use) {
   if (use != Use::kBuild) {
     Recipe recipe = kLocalise;
+    if (params.memory.gate == "none") recipe.remember = Remember::kUngated;
     if (use == Use::kFrozen) recipe.remember = Remember::kNothing;
     return recipe;
   }

@@ -108,7 +108,7 @@ void DriveWriter::begin(const types::Frame& first, int session, const map::MapHe
   if (file_) requireNew(fingerprint);
   newHeader_ = header;
   next_ = {.session = session,
-           .source = source_,
+           .source = note_.empty() ? source_ : source_ + "; " + note_,
            .fingerprint = fingerprint,
            .firstStamp = first.stamp,
            .lastStamp = first.stamp};

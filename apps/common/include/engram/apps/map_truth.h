@@ -71,8 +71,14 @@ class MapTruth {
   std::vector<base::PlaceId> ids_;
 };
 
-/// Absolute trajectory error [m] of one drive after alignment in the plane; none without truth at its stamps.
-std::optional<double> trajectoryError(const map::TopologicalMap& map, int session,
-                                      const evaluation::Trajectory& truth);
+/// Error of the path of one drive.
+struct PathError {
+  double ate = 0;    ///< absolute trajectory error after alignment in the plane, rms [m]
+  double apart = 0;  ///< share of the path left out: it lies in other parts of the map (K-E14)
+};
+
+/// None without truth at the stamps of the drive.
+std::optional<PathError> trajectoryError(const map::TopologicalMap& map, int session,
+                                         const evaluation::Trajectory& truth);
 
 }  // namespace engram::apps

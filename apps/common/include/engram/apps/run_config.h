@@ -37,6 +37,8 @@ struct RunConfig {
   std::string settleCamera(OfflineInput& input);
   /// Every key in force, for the header of a map: equal for runs that give equal maps.
   std::string dumpForMap() const;
+  /// What is allowed and not wise, in words; empty: nothing.
+  std::string warning() const;
 
  private:
   void bind(base::Config& config);

@@ -23,6 +23,9 @@ struct Belief {
 /// For each image: predict(), then update() once for each independent observation. Without the new-place
 /// state it localises in a frozen map; with it, it decides between the map and somewhere else.
 ///
+/// With `filter = winner_takes_all` (D-03) no image knows of those before it: predict() does nothing, and
+/// update() gives everything to the state that is most likely, the first of equal ones.
+///
 /// The motion model is chosen by `advance`. With `learned` the state is the place and the last step along the
 /// chain of places; with `odometry` it is the place and the rotation between odometry and map.
 class BayesFilter {
@@ -69,11 +72,13 @@ class BayesFilter {
   const BeliefParams& params() const { return params_; }
 
  private:
+  void crown(const Likelihood& likelihood);
   void spread(Layers& to, double mass) const;
   void setJoint(Layers joint, double newPlace);
 
   BeliefParams params_;
   bool hasNewPlace_;
+  bool winnerTakesAll_;
   bool stepped_ = false;
   std::unique_ptr<MotionModel> motion_;
   Layers joint_;  ///< p(place, layer of the motion model)

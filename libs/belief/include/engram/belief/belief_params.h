@@ -10,6 +10,9 @@ namespace engram::belief {
 
 /// Section `[belief]`.
 struct BeliefParams {
+  /// `bayes`, or `winner_takes_all`: each image by itself, the place with the largest likelihood (D-03).
+  std::string filter = "bayes";
+
   // Motion, F eq (7) with the reading of F-E2.
   double sigma_hops = 2.0;      ///< [hops] of the Gaussian on graph distance
   double expected_hops = 0.0;   ///< centre of that Gaussian; 1 puts more mass on the neighbours, as A-16

@@ -7,6 +7,8 @@
 #include "engram/types/match.h"
 #include "engram/types/rel_pose.h"
 
+#include <Eigen/Core>
+
 #include <cstdint>
 #include <span>
 #include <string>
@@ -25,8 +27,11 @@ struct VerifyParams {
   int max_iterations = 2000;
   int seed = 1;
   std::string residual = "angular";
-  double conic_xi = 0.97;
+  double conic_xi = 0;
   double max_conic_distance = 0.01;
+  /// residual = conic: from the frame of the bearings to that of the optics, whose z is the axis of the
+  /// mirror or lens. No key: who knows the calibration sets it, see pipeline::withOptics().
+  Eigen::Matrix3d R_optics_ray = Eigen::Matrix3d::Identity();
 
   void describe(base::Params& p);
 };

@@ -18,6 +18,9 @@ struct MemoryParams {
   /// `per_image`: a place learns from every verified view that is chosen for learning; `per_pass`: at most
   /// once until the robot has been elsewhere (D-E3).
   std::string update_policy = "per_image";
+  /// `verified`: while localising a place learns only what geometry has confirmed. `none`: the most
+  /// probable place learns each image, as F alg 2 is printed (F-E16).
+  std::string gate = "verified";
 
   void describe(base::Params& p);
 };

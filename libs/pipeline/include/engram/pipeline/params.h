@@ -29,6 +29,7 @@ struct SelectParams {
       0.5235987756;  ///< [rad] since the last keyframe, with odometry; either one is enough (A-E12)
   double standing_similarity =
       0.95;  ///< without odometry: an image this similar to the last keyframe is dropped (F-07)
+  double max_similarity = 1;  ///< with odometry: one more similar is dropped, too (A-05, A-E12); 1: none
 
   void describe(base::Params& p);
 };
@@ -48,9 +49,10 @@ struct PlaceParams {
 /// Section `[recognise]`.
 struct RecogniseParams {
   std::string scorer = "ltm_match";  ///< what scores the places: see makeScorer()
-  int exhaustive_places = 200;  ///< ltm_match: in a map of more an index proposes those that are matched,
-  int proposals = 60;           ///< so many
-  int rescore = 30;             ///< tfidf_incremental: places that are matched by descriptors; 0: words alone
+  int exhaustive_places =
+      200;             ///< ltm_match, matched_points: in a map of more an index proposes those matched,
+  int proposals = 60;  ///< so many
+  int rescore = 30;    ///< tfidf_incremental: places that are matched by descriptors; 0: words alone
   int verified_scores =
       0;               ///< best places whose score counts verified matches alone; 0: scores by descriptors
   int candidates = 5;  ///< hypotheses that go to geometric verification, best first

@@ -9,6 +9,7 @@
 #include "engram/cameras/pinhole.h"
 #include "engram/cameras/rectifier.h"
 #include "engram/features/extractor.h"
+#include "engram/geometry/verify.h"
 #include "engram/map/map_content.h"
 #include "engram/odometry/row_matcher.h"
 #include "engram/odometry/stereo_check.h"
@@ -39,6 +40,9 @@ struct CameraParams {
 
   void describe(base::Params& p);
 };
+
+/// See Perception::withOptics(). @param rig none: a pinhole camera, whose field of view does not matter here
+geometry::VerifyParams withOptics(geometry::VerifyParams verify, const cameras::CameraRig* rig);
 
 /// A rectified stereo camera on the robot.
 struct StereoCamera {
@@ -89,6 +93,11 @@ class Perception {
 
   /// Where the camera is on the robot, in the robot's frame [m]; at its origin when it is not calibrated.
   Eigen::Vector3d eye() const;
+
+  /// The verification for this camera: `residual = conic` holds in the frame of its optics and with its
+  /// mirror parameter, where [verify] conic_xi gives no other (F-E17). Throws base::ConfigError for a
+  /// panorama, which has neither.
+  geometry::VerifyParams withOptics(geometry::VerifyParams verify) const;
 
   /// How the camera is unwrapped; none for one that does not see all round or is not calibrated.
   std::optional<appearance::Panorama> panorama() const;

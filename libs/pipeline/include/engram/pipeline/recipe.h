@@ -25,7 +25,7 @@ enum class Select { kMotion, kKeyframe, kEvery };
 enum class Recognise { kBelief, kIndex, kNear };
 enum class Verify { kOneOnTerrain, kOneOnWay, kAllViews, kScans };
 enum class Decide { kPlace, kView, kScan, kKnown };
-enum class Remember { kPlace, kView, kScan, kLater, kNothing };
+enum class Remember { kPlace, kView, kScan, kLater, kUngated, kNothing };
 enum class Relate { kPlace, kView, kScan, kFollow };
 enum class Forget { kNothing, kLruViews };
 enum class Relax { kPlace, kView, kScan, kNothing };

@@ -44,6 +44,8 @@ class Scorer {
 /// - `ltm_match`: F eq (8), ratio-test matches over long-term features, every place by itself. In a map of
 ///   more than `exhaustive_places` an inverted file proposes `proposals` places for it. Others get scores
 ///   that are spread as those of a sample of them, so that evidence stands out of the same background;
+/// - `matched_points`: the same matches by their number, over that of the view's features, whatever the place
+///   remembers: the place with most of them looks most alike (D-03);
 /// - `tfidf_incremental`: votes of the words of the incremental dictionary, over the largest
 ///   possible vote. The words of a place are those of its long-term features. The dictionary is no part of a
 ///   map file: it is made from the places in the order of their ids, so equal maps give equal answers. With

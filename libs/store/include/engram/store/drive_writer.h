@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace engram::store {
@@ -48,6 +49,8 @@ class DriveWriter {
 
   /// The path and the records of older drives were forgotten in this map: so they are in the file.
   void forget(const map::TopologicalMap& map, int firstKeptSession);
+  /// What the map shall say of this drive beside its source. To be called before begin().
+  void note(std::string text) { note_ = std::move(text); }
   /// To be called with the first image, before it changes the map. The file is made or changed by the first
   /// image that is of use: a run without any leaves it as it is.
   /// @param header for a new map
@@ -76,7 +79,7 @@ class DriveWriter {
   void goOnInSpool(const map::TopologicalMap& map, const types::FrameReport* report);
   void requireNew(std::uint32_t fingerprint) const;
 
-  std::string path_, source_, spool_;
+  std::string path_, source_, spool_, note_;
   DriveOptions options_;
   std::optional<WriterLock> lock_;  // until there is a file that holds it; of a file alone
   std::optional<MapFile> file_;
