@@ -46,7 +46,7 @@ std::size_t dropPassersBy(memory::PlaceMemory& memory) {
 void dropForgotten(map::MapContent& content) {
   std::map<map::PlaceId, std::set<std::uint32_t>> known;
   for (const auto& [id, place] : content.places)
-    for (const auto& state : place.memory.states) known[id].insert(state.id);
+    for (const auto& state : place.memory->states) known[id].insert(state.id);
   for (auto& [id, edge] : content.edges)
     std::erase_if(edge.correspondences, [&, &e = edge](const auto& pair) {
       return !known[e.a].contains(pair.first) || !known[e.b].contains(pair.second);
@@ -62,7 +62,7 @@ Anonymised anonymise(store::WholeMap& map, bool keepNames) {
     view.jpeg.clear();
   }
   if (!keepNames) done.names = takeNames(map);
-  for (auto& [id, place] : map.content.places) done.features += dropPassersBy(place.memory);
+  for (auto& [id, place] : map.content.places) done.features += dropPassersBy(place.memory.edit());
   if (done.features > 0) dropForgotten(map.content);
   return done;
 }

@@ -75,7 +75,7 @@ class Combiner {
     for (const auto& [id, theirs] : b_.content.places) {
       if (past_.places.contains(id)) {
         map::Place& ours = a_.content.places.at(id);
-        if (theirs.memory.updates > ours.memory.updates) ours.memory = theirs.memory;
+        if (theirs.memory->updates > ours.memory->updates) ours.memory = theirs.memory;
         continue;
       }
       map::Place place = theirs;
@@ -116,7 +116,7 @@ class Combiner {
   /// The memory of a common place may be that of a, which has let go what the edge names.
   void dropUnknown(map::Edge& edge) const {
     const auto knows = [&](map::PlaceId place, std::uint32_t feature) {
-      const auto& states = a_.content.places.at(place).memory.states;
+      const auto& states = a_.content.places.at(place).memory->states;
       return std::any_of(states.begin(), states.end(), [&](const auto& s) { return s.id == feature; });
     };
     if (past_.places.contains(edge.a) || past_.places.contains(edge.b))

@@ -30,7 +30,7 @@ class Search {
   }
 
   std::optional<Joint> find(const map::Place& place) const {
-    const std::vector<double> scores = recogniser_.similarities(place.memory.features);
+    const std::vector<double> scores = recogniser_.similarities(place.memory->features);
     std::vector<std::size_t> order(scores.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     const auto most = std::min(order.size(), static_cast<std::size_t>(pairs_.params().recognise.candidates));

@@ -98,7 +98,8 @@ class Judgement {
                    .a = joint.a,
                    .b = joint.b,
                    .T_a_b = joint.T_a_b};
-    const auto &a = content_.places.at(joint.a).memory, &b = content_.places.at(joint.b).memory;
+    const memory::PlaceMemory& a = *content_.places.at(joint.a).memory;
+    const memory::PlaceMemory& b = *content_.places.at(joint.b).memory;
     for (const types::Match& m : joint.matches)
       edge.correspondences.emplace_back(a.states[static_cast<std::size_t>(m.b)].id,
                                         b.states[static_cast<std::size_t>(m.a)].id);

@@ -29,7 +29,7 @@ types::Features inFrameOf(const types::Features& a, const Joint& joint, const ty
 memory::United unitedOf(const map::Place& a, const map::Place& b, const Joint& joint,
                         const pipeline::PipelineParams& params, const Eigen::Vector3d& eye) {
   memory::PlaceMemory theirs = b.memory;
-  theirs.features = inFrameOf(a.memory.features, joint, b.memory.features, eye);
+  theirs.features = inFrameOf(a.memory->features, joint, b.memory->features, eye);
   const bool ordered = a.createdStamp <= b.createdStamp;
   const std::string& model = params.memory.memory;
   const bool oneStays = model == "static" || model == "replace";
