@@ -31,7 +31,7 @@ TEST(Diff, EachChangeIsNamedOnceAndTheOtherWayRound) {
   const store::WholeMap a = testing::twoDrives(12, 3);
   store::WholeMap b = a;
   b.content.places.at(map::PlaceId(4)).T_map_place.translation().x() += 0.5;
-  b.content.places.at(map::PlaceId(5)).memory.states[0].value += 1;
+  b.content.places.at(map::PlaceId(5)).memory.edit().states[0].value += 1;
   b.content.edges.erase(map::EdgeId(2));
   b.content.path.pop_back();
   b.header.parameters = "[place]\nspacing = 0.9\n";

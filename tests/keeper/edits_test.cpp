@@ -136,7 +136,7 @@ TEST(Anonymise, TakesPicturesNamesAndPassersBy) {
   std::size_t once = 0, longTerm = 0;
   for (const auto& [id, place] : map.content.places) {
     longTerm += place.memory.longTerm().size();
-    for (const auto& s : place.memory.states)
+    for (const auto& s : place.memory->states)
       once += s.stage == memory::Stage::kShortTerm && s.age > 0 && s.counter <= 1;
   }
   const Anonymised done = anonymise(map, false);
@@ -146,7 +146,7 @@ TEST(Anonymise, TakesPicturesNamesAndPassersBy) {
   for (const auto& [id, place] : map.content.places) {
     longTerm -= place.memory.longTerm().size();
     EXPECT_EQ(place.createdLabel, "");
-    EXPECT_EQ(place.memory.features.size(), place.memory.states.size());
+    EXPECT_EQ(place.memory->features.size(), place.memory->states.size());
   }
   EXPECT_EQ(longTerm, 0u);
   for (const auto& [id, view] : map.content.views) EXPECT_TRUE(view.jpeg.empty() && view.label.empty());

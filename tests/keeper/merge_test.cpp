@@ -83,7 +83,7 @@ store::WholeMap joined(store::WholeMap a, const store::WholeMap& b, Merged* resu
 double totalVotes(const map::MapContent& content) {
   double sum = 0;
   for (const auto& [id, place] : content.places)
-    for (const auto& state : place.memory.states) sum += static_cast<double>(state.value);
+    for (const auto& state : place.memory->states) sum += static_cast<double>(state.value);
   return sum;
 }
 
@@ -153,9 +153,9 @@ TEST(Merge, NorDoesTheGrouping) {
 TEST(Merge, CopiesThatWentOnApartShareTheirPast) {
   store::WholeMap mine = first(), theirs = first();
   const map::PlaceId learnt(2);
-  mine.content.places.at(map::PlaceId(1)).memory.updates += 3;
-  theirs.content.places.at(learnt).memory.states[0].value += 5;
-  theirs.content.places.at(learnt).memory.updates += 5;
+  mine.content.places.at(map::PlaceId(1)).memory.edit().updates += 3;
+  theirs.content.places.at(learnt).memory.edit().states[0].value += 5;
+  theirs.content.places.at(learnt).memory.edit().updates += 5;
   store::Drive more{.id = 1, .session = -1, .source = "taught", .fingerprint = 9};
   more.firstRecord = theirs.records.size();
   theirs.drives.push_back(more);
@@ -165,9 +165,9 @@ TEST(Merge, CopiesThatWentOnApartShareTheirPast) {
   EXPECT_EQ(merged.content.places.size(), first().content.places.size());
   EXPECT_EQ(merged.content.edges.size(), first().content.edges.size());
   EXPECT_EQ(merged.content.path.size(), first().content.path.size());
-  EXPECT_EQ(merged.content.places.at(learnt).memory.updates, theirs.content.places.at(learnt).memory.updates);
-  EXPECT_EQ(merged.content.places.at(map::PlaceId(1)).memory.updates,
-            mine.content.places.at(map::PlaceId(1)).memory.updates);
+  EXPECT_EQ(merged.content.places.at(learnt).memory->updates, theirs.content.places.at(learnt).memory->updates);
+  EXPECT_EQ(merged.content.places.at(map::PlaceId(1)).memory->updates,
+            mine.content.places.at(map::PlaceId(1)).memory->updates);
   EXPECT_EQ(merged.drives.size(), 2u);
 }
 
