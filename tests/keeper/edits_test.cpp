@@ -135,7 +135,7 @@ TEST(Anonymise, TakesPicturesNamesAndPassersBy) {
   store::WholeMap map = testing::twoDrives(12, 3);
   std::size_t once = 0, longTerm = 0;
   for (const auto& [id, place] : map.content.places) {
-    longTerm += place.memory.longTerm().size();
+    longTerm += place.memory->longTerm().size();
     for (const auto& s : place.memory->states)
       once += s.stage == memory::Stage::kShortTerm && s.age > 0 && s.counter <= 1;
   }
@@ -144,7 +144,7 @@ TEST(Anonymise, TakesPicturesNamesAndPassersBy) {
   EXPECT_EQ(done.features, once);
   EXPECT_GT(done.names, 0u);
   for (const auto& [id, place] : map.content.places) {
-    longTerm -= place.memory.longTerm().size();
+    longTerm -= place.memory->longTerm().size();
     EXPECT_EQ(place.createdLabel, "");
     EXPECT_EQ(place.memory->features.size(), place.memory->states.size());
   }
