@@ -79,6 +79,11 @@ function(engram_test name)
   add_executable(${name}_test ${ARG_SOURCES})
   engram_target_defaults(${name}_test)
   target_link_libraries(${name}_test PRIVATE ${ARG_LIBS} GTest::gmock GTest::gtest_main)
+  # Tests see the private headers of the library whose folder they share.
+  cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME library)
+  if(TARGET engram_${library})
+    target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR}/libs/${library}/src)
+  endif()
   target_compile_definitions(${name}_test PRIVATE
     ENGRAM_SOURCE_DIR="${PROJECT_SOURCE_DIR}" ENGRAM_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
   add_test(NAME ${name} COMMAND ${name}_test)

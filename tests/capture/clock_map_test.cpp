@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Synthetic camera clocks with known offset, drift and network delays.
-#include "engram/capture/clock_map.h"
+#include "clock_map.h"
 
 #include "engram/base/rng.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/capture/stereo_pairer.h"
+#include "stereo_pairer.h"
 
 #include "engram/base/rng.h"
 

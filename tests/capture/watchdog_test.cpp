@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/capture/watchdog.h"
+#include "watchdog.h"
 
 #include <gtest/gtest.h>
 

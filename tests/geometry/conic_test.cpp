@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
 // F eq (1) against the geometry it stands for.
-#include "engram/geometry/conic.h"
+#include "conic.h"
 
 #include "scene.h"
 

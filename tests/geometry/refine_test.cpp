@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/geometry/refine.h"
+#include "refine.h"
 
 #include "scene.h"
 

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "engram/base/rng.h"
-#include "engram/geometry/epipolar.h"
 #include "engram/types/features.h"
 #include "engram/types/match.h"
+#include "epipolar.h"
 
 #include <Eigen/Geometry>
 

@@ -4,8 +4,8 @@
 
 #include "engram/base/config.h"
 #include "engram/base/error.h"
-#include "engram/memory/replace.h"
 #include "engram/memory/static_view.h"
+#include "replace.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/pipeline/view_search.h"
+#include "view_search.h"
 
 #include "engram/base/rng.h"
 #include "engram/memory/static_view.h"

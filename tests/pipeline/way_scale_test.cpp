@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/pipeline/way_scale.h"
+#include "way_scale.h"
 
 #include <gtest/gtest.h>
 

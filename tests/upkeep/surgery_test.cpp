@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/upkeep/surgery.h"
+#include "surgery.h"
 
 #include "engram/base/error.h"
 #include "graph_maps.h"

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/vocabulary/bag_of_words.h"
 
-#include "engram/vocabulary/tf_idf.h"
 #include "make_descriptors.h"
+#include "tf_idf.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

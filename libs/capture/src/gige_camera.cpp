@@ -4,7 +4,7 @@
 
 #include "engram/base/error.h"
 #include "engram/capture/discovery.h"
-#include "engram/capture/pixel_format.h"
+#include "pixel_format.h"
 
 #include <algorithm>
 #include <cstdio>

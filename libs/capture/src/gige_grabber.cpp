@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/capture/gige_grabber.h"
 
+#include "clock_map.h"
 #include "engram/base/error.h"
-#include "engram/capture/clock_map.h"
 #include "engram/capture/discovery.h"
-#include "engram/capture/loss_counter.h"
-#include "engram/capture/stereo_pairer.h"
-#include "engram/capture/watchdog.h"
 #include "gige_camera.h"
+#include "loss_counter.h"
+#include "stereo_pairer.h"
+#include "watchdog.h"
 
 #include <algorithm>
 #include <atomic>

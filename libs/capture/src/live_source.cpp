@@ -5,8 +5,8 @@
 #include "engram/base/error.h"
 #include "engram/base/text.h"
 #include "engram/capture/gige_grabber.h"
-#include "engram/capture/odometry_feed.h"
 #include "engram/capture/sensor_reader.h"
+#include "odometry_feed.h"
 
 #include <mrpt/obs/CObservationOdometry.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/capture/odometry_feed.h"
+#include "odometry_feed.h"
 
 #include "engram/sources/odometry_gate.h"
 

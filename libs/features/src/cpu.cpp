@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/features/cpu.h"
+#include "cpu.h"
 
 namespace engram::features {
 

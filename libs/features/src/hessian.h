@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engram/features/cpu.h"
+#include "cpu.h"
 #include "integral_image.h"
 
 #include <cstdint>

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "cpu.h"
 #include "descriptor_blocks.h"
-#include "engram/features/cpu.h"
 
 #include <limits>
 #include <vector>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problems.h"
 
-#include "engram/geometry/conic.h"
+#include "conic.h"
 
 #include <Eigen/Geometry>
 

@@ -3,7 +3,7 @@
 #include "engram/geometry/stereo_verify.h"
 
 #include "engram/base/error.h"
-#include "engram/geometry/ransac.h"
+#include "ransac.h"
 #include "stereo_problem.h"
 
 #include <Eigen/Eigenvalues>

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/geometry/verify.h"
 
+#include "a_contrario.h"
 #include "engram/base/error.h"
-#include "engram/geometry/a_contrario.h"
-#include "engram/geometry/ransac.h"
-#include "engram/geometry/refine.h"
 #include "problems.h"
+#include "ransac.h"
+#include "refine.h"
 
 #include <Eigen/Geometry>
 

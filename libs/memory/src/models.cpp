@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/memory/models.h"
 
-#include "engram/memory/replace.h"
 #include "engram/memory/static_view.h"
+#include "replace.h"
 
 namespace engram::memory {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/memory/replace.h"
+#include "replace.h"
 
 #include "checks.h"
 #include "engram/memory/static_view.h"

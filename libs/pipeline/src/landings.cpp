@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engram/pipeline/landings.h"
+#include "landings.h"
 
 #include <algorithm>
 #include <cmath>

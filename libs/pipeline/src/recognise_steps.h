@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engram/pipeline/landings.h"
 #include "engram/pipeline/recogniser.h"
-#include "engram/pipeline/view_search.h"
+#include "landings.h"
 #include "steps.h"
+#include "view_search.h"
 
 #include <utility>
 

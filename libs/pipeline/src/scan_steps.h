@@ -3,9 +3,9 @@
 #pragma once
 
 #include "engram/memory/static_view.h"
-#include "engram/pipeline/view_search.h"
 #include "recognise_steps.h"
 #include "scan_poses.h"
+#include "view_search.h"
 
 #include <memory>
 #include <optional>

@@ -7,10 +7,10 @@
 #include "engram/pipeline/params.h"
 #include "engram/pipeline/perception.h"
 #include "engram/pipeline/place_match.h"
-#include "engram/pipeline/way_scale.h"
-#include "engram/pipeline/whereabouts.h"
 #include "engram/types/frame.h"
 #include "engram/types/frame_report.h"
+#include "way_scale.h"
+#include "whereabouts.h"
 
 #include <memory>
 #include <optional>

@@ -4,7 +4,7 @@
 
 #include "engram/base/error.h"
 #include "engram/upkeep/clusters.h"
-#include "engram/upkeep/surgery.h"
+#include "surgery.h"
 
 #include <algorithm>
 

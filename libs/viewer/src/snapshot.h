@@ -5,7 +5,7 @@
 #include "engram/map/topological_map.h"
 #include "engram/types/frame.h"
 #include "engram/types/frame_report.h"
-#include "engram/viewer/panel.h"
+#include "panel.h"
 
 #include <Eigen/Core>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/vocabulary/bag_of_words.h"
 
-#include "engram/vocabulary/tf_idf.h"
+#include "tf_idf.h"
 
 #include <algorithm>
 
