@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engram/geometry/epipolar.h"
+#include "epipolar.h"
 #include "engram/types/rel_pose.h"
 
 #include <optional>

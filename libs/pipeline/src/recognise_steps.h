@@ -5,7 +5,7 @@
 #include "engram/pipeline/recogniser.h"
 #include "landings.h"
 #include "steps.h"
-#include "view_search.h"
+#include "tree_search.h"
 
 #include <utility>
 
@@ -30,7 +30,7 @@ class IndexStep final : public RecogniseStep {
   Evidence recognise(Run& run, const Keyframe& image, types::FrameReport& report) override;
 
  private:
-  ViewSearch search_;
+  TreeSearch search_;
 };
 
 /// One place after the other, until one is accepted: where odometry puts the robot in known ground; what the

@@ -5,7 +5,7 @@
 #include "engram/memory/static_view.h"
 #include "recognise_steps.h"
 #include "scan_poses.h"
-#include "view_search.h"
+#include "tree_search.h"
 
 #include <memory>
 #include <optional>
@@ -36,7 +36,7 @@ struct ScanTrack {
   bool sharp(const Run& run) const;
 
   std::unique_ptr<ScanPoses> poses;
-  ViewSearch search;
+  TreeSearch search;
   std::optional<HeldScan> held;
   types::RelPose motion;  ///< from the scan before that to it, for a robot without wheels
   bool guessed = false;   ///< nothing has measured the way since the anchor

@@ -2,15 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engram/pipeline/scorer.h"
 
-#include "engram/vocabulary/view_index.h"
 #include "engram/vocabulary/word_index.h"
 #include "ltm_scorer.h"
+#include "tree_search.h"
 
 #include <algorithm>
 #include <numeric>
-#include <optional>
 #include <span>
-#include <utility>
 
 namespace engram::pipeline {
 namespace {
@@ -63,58 +61,35 @@ class WordScorer : public Scorer {
   LtmMatcher matcher_;  // empty without `rescore`
 };
 
-/// K-14. Before settled() only descriptors are collected: the tree is trained on all of them together, or
-/// never.
+/// K-14, over the votes of the best.
 class TreeScorer : public Scorer {
  public:
-  explicit TreeScorer(const PipelineParams& params)
-      : params_(params.tree), candidates_(params.views.candidates) {
-    if (!params.views.vocabulary.empty())
-      index_.emplace(vocabulary::VocabularyTree::load(params.views.vocabulary));
-  }
+  explicit TreeScorer(const PipelineParams& params) : search_(params, TreeSearch::Of::kPlaces) {}
 
+  void load(const map::TopologicalMap& map, std::span<const base::PlaceId> ids) override {
+    ids_.assign(ids.begin(), ids.end());
+    search_.load(map);
+  }
   void placeChanged(std::size_t index, const map::Place& place) override {
-    const types::Features longTerm = longTermOf(place);
-    size_ = std::max(size_, index + 1);
-    if (index_) return enter(index, longTerm.descriptors);
-    waiting_.resize(size_);
-    waiting_[index] = longTerm.descriptors;
+    if (index == ids_.size()) ids_.push_back(place.id);
   }
-
-  void settled(const map::TopologicalMap&) override {
-    if (index_ || std::exchange(settled_, true)) return;
-    std::vector<const types::Descriptors*> images;
-    for (const auto& d : waiting_)
-      if (!d.empty()) images.push_back(&d);
-    if (images.empty()) return;
-    index_.emplace(vocabulary::VocabularyTree::train(images, params_));
-    for (std::size_t i = 0; i < waiting_.size(); ++i) enter(i, waiting_[i]);
-    waiting_.clear();
-  }
+  void settled(const map::TopologicalMap& map) override { search_.follow(map); }
 
   std::vector<double> scores(const types::Features& view, std::span<const std::size_t>) const override {
-    std::vector<double> result(size_, 0.0);
-    if (!index_) return result;
-    const auto votes = index_->query(index_->tree().wordsOf(view.descriptors), most());
-    for (const auto& vote : votes)
-      if (votes.front().score > 0) result[vote.view.value] = vote.score / votes.front().score;
+    std::vector<double> result(ids_.size(), 0.0);
+    const auto found = search_.find(view, kShare);
+    for (const auto& [place, score] : found) {
+      const auto at = std::lower_bound(ids_.begin(), ids_.end(), place);
+      if (found.front().score > 0)
+        result[static_cast<std::size_t>(at - ids_.begin())] = score / found.front().score;
+    }
     return result;
   }
 
  private:
-  std::size_t most() const { return static_cast<std::size_t>(4 * candidates_); }
-  void enter(std::size_t index, const types::Descriptors& descriptors) {
-    const base::ViewId id(static_cast<std::uint32_t>(index));
-    index_->remove(id);
-    index_->add(id, index_->tree().wordsOf(descriptors));
-  }
-
-  vocabulary::TreeParams params_;
-  int candidates_;
-  std::size_t size_ = 0;
-  bool settled_ = false;
-  std::optional<vocabulary::ViewIndex> index_;  // its views are the places, by index
-  std::vector<types::Descriptors> waiting_;
+  static constexpr int kShare = 4;  // of those that geometry is asked about
+  TreeSearch search_;
+  std::vector<base::PlaceId> ids_;  // by index; they rise
 };
 
 }  // namespace

@@ -52,7 +52,8 @@ class Scorer {
 ///   `rescore` > 0 that many places, those with the most votes, get the score of `ltm_match`, and all others
 ///   the smallest of these;
 /// - `vocabulary_tree`: votes of the words of a vocabulary tree (K-14), over the largest vote for this view.
-///   The tree is read from `[views] vocabulary`, or trained on the places when all are loaded.
+///   The tree is read from `[views] vocabulary`, or trained on the places that are loaded. A map that begins
+///   empty trains one when it has `[views] train_after` places; until then all are matched.
 std::unique_ptr<Scorer> makeScorer(const PipelineParams& params);
 
 }  // namespace engram::pipeline

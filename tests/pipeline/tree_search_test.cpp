@@ -1,11 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "view_search.h"
+#include "tree_search.h"
 
 #include "engram/base/rng.h"
 #include "engram/memory/static_view.h"
+#include "engram/pipeline/scorer.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace engram::pipeline {
 namespace {
@@ -38,9 +41,9 @@ PipelineParams params() {
   return p;
 }
 
-TEST(ViewSearch, FindsEveryViewBeforeAndAfterItsTreeIsThere) {
+TEST(TreeSearch, FindsEveryViewBeforeAndAfterItsTreeIsThere) {
   map::TopologicalMap map;
-  ViewSearch search(params());
+  TreeSearch search(params());
   for (std::uint64_t k = 0; k < 50; ++k) {
     addView(map, k);
     search.follow(map);
@@ -55,10 +58,10 @@ TEST(ViewSearch, FindsEveryViewBeforeAndAfterItsTreeIsThere) {
   }
 }
 
-TEST(ViewSearch, ForgetsWhatTheMapForgets) {
+TEST(TreeSearch, ForgetsWhatTheMapForgets) {
   for (const int views : {8, 45}) {  // without and with a tree
     map::TopologicalMap map;
-    ViewSearch search(params());
+    TreeSearch search(params());
     for (int k = 0; k < views; ++k) {
       addView(map, static_cast<std::uint64_t>(k));
       search.follow(map);
@@ -71,16 +74,48 @@ TEST(ViewSearch, ForgetsWhatTheMapForgets) {
   }
 }
 
-TEST(ViewSearch, AMapThatIsReadAnswersAsTheOneThatGrew) {
+TEST(TreeSearch, AMapThatIsReadAnswersAsTheOneThatGrew) {
   map::TopologicalMap map;
   for (std::uint64_t k = 0; k < 8; ++k) addView(map, k);
-  ViewSearch search(params());
+  TreeSearch search(params());
   search.load(map);
   EXPECT_FALSE(search.hasTree());
   EXPECT_EQ(search.find(map.place(base::PlaceId(5)).memory->features).front().view.value, 5u);
 }
 
-TEST(ViewSearch, AnEmptyMapHasNoAnswer) { EXPECT_TRUE(ViewSearch(params()).find(randomView(1)).empty()); }
+TEST(TreeSearch, AnEmptyMapHasNoAnswer) { EXPECT_TRUE(TreeSearch(params()).find(randomView(1)).empty()); }
+
+TEST(TreeScorer, FindsThePlacesOfAMapThatBeganEmpty) {
+  PipelineParams p = params();
+  p.recognise.scorer = "vocabulary_tree";
+  const auto scorer = makeScorer(p);
+  map::TopologicalMap map;
+  for (std::uint64_t k = 0; k < 50; ++k) {  // without a tree until 30
+    scorer->placeChanged(k, map.place(addView(map, k)));
+    scorer->settled(map);
+    for (std::uint64_t j = 0; j <= k; j += 7) {
+      const auto scores = scorer->scores(randomView(j));
+      ASSERT_EQ(scores.size(), k + 1);
+      EXPECT_EQ(scores[j], 1.0) << j << " of " << k;
+      EXPECT_EQ(std::max_element(scores.begin(), scores.end()) - scores.begin(), static_cast<long>(j));
+    }
+  }
+}
+
+/// Localising asks at once, and adds no place.
+TEST(TreeScorer, ATreeOfTheLoadedPlacesIsThereAtOnce) {
+  PipelineParams p = params();
+  p.recognise.scorer = "vocabulary_tree";
+  map::TopologicalMap map;
+  std::vector<base::PlaceId> ids;
+  for (std::uint64_t k = 0; k < 8; ++k) ids.push_back(addView(map, k));
+  TreeSearch search(p, TreeSearch::Of::kPlaces);
+  search.load(map);
+  EXPECT_TRUE(search.hasTree());
+  const auto scorer = makeScorer(p);
+  scorer->load(map, ids);
+  EXPECT_EQ(scorer->scores(randomView(5))[5], 1.0);
+}
 
 }  // namespace
 }  // namespace engram::pipeline

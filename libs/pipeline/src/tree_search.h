@@ -16,14 +16,17 @@
 
 namespace engram::pipeline {
 
-/// Which views of a map look like an image: by a vocabulary tree (K-14), and by matching with every view as
-/// long as there is none. Without a file a tree is trained on the map's own views, in the background. It is
-/// taken into use at a number of views that does not depend on how long that took: equal drives give equal
-/// maps.
-class ViewSearch {
+/// Which places or views of a map look like an image: by a vocabulary tree (K-14), and by matching with all
+/// of them as long as there is none. Without a file a tree is trained on the map itself, in the background.
+/// It is taken into use at a number of views that does not depend on how long that took: equal drives give
+/// equal maps.
+class TreeSearch {
  public:
+  /// Views are searched by all their features, places by those of long-term memory. The tree of places that
+  /// are loaded is there at once: localising may add none.
+  enum class Of { kViews, kPlaces };
   /// Throws base::Error for a vocabulary file that cannot be used.
-  explicit ViewSearch(const PipelineParams& params);
+  explicit TreeSearch(const PipelineParams& params, Of of = Of::kViews);
 
   void load(const map::TopologicalMap& map);
   /// Takes over the views that have come and gone since.
@@ -33,8 +36,8 @@ class ViewSearch {
     base::PlaceId view;
     double score = 0;  ///< of the words, or matches by descriptor
   };
-  /// The views that look most like an image, best first; at most `candidates`.
-  std::vector<Found> find(const types::Features& image) const;
+  /// The views that look most like an image, best first; at most `[views] candidates` times `share`.
+  std::vector<Found> find(const types::Features& image, int share = 1) const;
 
   /// Whether a vocabulary tree is in use.
   bool hasTree() const { return index_.has_value(); }
@@ -42,9 +45,15 @@ class ViewSearch {
  private:
   void add(const map::TopologicalMap& map, base::PlaceId view);
   void remove(base::PlaceId view);
+  /// What is searched of a place; `room` holds it where it is a part of the memory.
+  const types::Features& featuresOf(const map::Place& place, types::Features& room) const;
+  /// Draws what a tree is trained on.
+  types::Descriptors sampleOf(const map::TopologicalMap& map) const;
+  std::size_t grown(const map::TopologicalMap& map) const;
   void startTraining(const map::TopologicalMap& map);
   void takeTree(const map::TopologicalMap& map);
 
+  Of of_;
   ViewParams params_;
   vocabulary::TreeParams treeParams_;
   features::MatchParams match_;
