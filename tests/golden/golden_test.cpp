@@ -62,10 +62,12 @@ std::string hashOf(const std::string& text) {
   return hex.str();
 }
 
+/// Its first line is the version of the format, which is no result: it stays that of the kept hashes.
 std::string dumpOf(const map::TopologicalMap& map, const map::MapHeader& header) {
   std::ostringstream out;
   store::dump(out, header, map.content(), {});
-  return out.str();
+  const std::string text = out.str();
+  return "engram_map 2" + text.substr(text.find('\n'));
 }
 
 std::string linesOf(const std::vector<types::FrameReport>& reports) {

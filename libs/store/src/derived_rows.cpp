@@ -56,7 +56,8 @@ void checkDerived(Connection& database, std::vector<std::string>& problems) {
         throw base::Error("it is of an unknown kind");
       BlobReader(rows.blob(2), static_cast<RowKind>(kind), kDerivedVersion, static_cast<std::uint64_t>(id));
     } catch (const base::Error& e) {
-      problems.push_back("derived row " + std::to_string(kind) + " " + std::to_string(id) + ": " + e.what());
+      problems.push_back("derived row " + std::to_string(kind) + " " + std::to_string(id) + ": " + e.what() +
+                         " (the map is read without it; 'engram-map index' makes it anew)");
     }
   }
 }
