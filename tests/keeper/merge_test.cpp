@@ -58,19 +58,26 @@ const store::WholeMap& second() {
 
 /// Root mean square distance of places from the truth, once both are laid over each other in the plane [m].
 double errorOf(const map::MapContent& content) {
-  Eigen::Matrix2Xd ours(2, content.places.size()), truth(2, content.places.size());
-  Eigen::Index i = 0;
+  std::vector<Eigen::Vector2d> ours, truth;
+  Eigen::Vector2d meanOurs = Eigen::Vector2d::Zero(), meanTruth = Eigen::Vector2d::Zero();
+  const auto n = static_cast<double>(content.places.size());
   for (const auto& [id, place] : content.places) {
-    ours.col(i) = place.T_map_place.translation().head<2>();
-    truth.col(i++) = place.T_world_place->translation().head<2>();
+    ours.emplace_back(place.T_map_place(0, 3), place.T_map_place(1, 3));
+    truth.emplace_back((*place.T_world_place)(0, 3), (*place.T_world_place)(1, 3));
+    meanOurs += ours.back() / n;
+    meanTruth += truth.back() / n;
   }
-  const Eigen::Matrix3d T = Eigen::umeyama(ours, truth, false);
+  double along = 0, across = 0;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    const Eigen::Vector2d p = ours[i] - meanOurs, q = truth[i] - meanTruth;
+    along += p.dot(q);
+    across += p.x() * q.y() - p.y() * q.x();
+  }
+  const Eigen::Rotation2Dd turn(std::atan2(across, along));
   double squares = 0;
-  for (Eigen::Index k = 0; k < ours.cols(); ++k) {
-    const Eigen::Vector3d laid = T * Eigen::Vector3d(ours(0, k), ours(1, k), 1);
-    squares += std::pow(laid.x() - truth(0, k), 2) + std::pow(laid.y() - truth(1, k), 2);
-  }
-  return std::sqrt(squares / static_cast<double>(ours.cols()));
+  for (std::size_t i = 0; i < ours.size(); ++i)
+    squares += (turn * Eigen::Vector2d(ours[i] - meanOurs) - (truth[i] - meanTruth)).squaredNorm();
+  return std::sqrt(squares / n);
 }
 
 store::WholeMap joined(store::WholeMap a, const store::WholeMap& b, Merged* result = nullptr) {
