@@ -47,6 +47,7 @@ class Combiner {
     addPath();
     addDrives();
     addNotes();
+    for (auto& [id, edge] : a_.content.edges) dropUnknown(edge);
     auto& c = a_.content;
     c.nextPlace += b_.content.nextPlace;
     c.nextView += b_.content.nextView;
@@ -109,11 +110,10 @@ class Combiner {
       edge.id = map::EdgeId(id.value + numbers_.edge);
       edge.a = numbers_.of(theirs.a);
       edge.b = numbers_.of(theirs.b);
-      dropUnknown(edge);
       a_.content.edges.emplace(edge.id, std::move(edge));
     }
   }
-  /// The memory of a common place may be that of a, which has let go what the edge names.
+  /// The memory of a common place may have let go what an edge of the other map names.
   void dropUnknown(map::Edge& edge) const {
     const auto knows = [&](map::PlaceId place, std::uint32_t feature) {
       const auto& states = a_.content.places.at(place).memory->states;

@@ -139,6 +139,17 @@ void dropServed(map::MapContent& content) {
   content = map.content();
 }
 
+/// A map that went on from another one without its records: they come first.
+store::WholeMap withOlderRecords(store::WholeMap map, const store::WholeMap& older) {
+  if (map.firstRecord <= older.firstRecord) return map;
+  const std::uint64_t missing = map.firstRecord - older.firstRecord;
+  if (missing > older.records.size()) return map;
+  map.records.insert(map.records.begin(), older.records.begin(),
+                     older.records.begin() + static_cast<std::ptrdiff_t>(missing));
+  map.firstRecord = older.firstRecord;
+  return map;
+}
+
 /// A merge on its way: recognise, combine, judge, unite, relax.
 class Merge {
  public:
@@ -215,7 +226,7 @@ Merged merge(store::WholeMap& a, const store::WholeMap& b, const std::string& na
   Merge work(a, b, configuration);
   if (allOf(b, work.past())) return apart(nothing, "all drives of the second map are in the first");
   if (allOf(a, commonPast(b, a)) || a.content.places.empty()) {
-    a = b;
+    a = withOlderRecords(b, a);
     return apart(nothing, "all drives of the first map are in the second");
   }
   return work.run(progress);

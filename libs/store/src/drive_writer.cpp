@@ -61,6 +61,7 @@ DriveWriter::DriveWriter(const std::string& path, const DriveOptions& options, s
 
 void DriveWriter::openExisting(const types::Frame* first) {
   file_ = MapFile::open(path_, Access::kReadWrite);
+  if (isOnServer(path_)) drives_ = file_->drives();
   if (!options_.resume) return;
   const auto drives = file_->drives();
   const bool same = !drives.empty() && first != nullptr && drives.back().fingerprint == fingerprintOf(*first);

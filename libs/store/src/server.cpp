@@ -30,6 +30,8 @@ constexpr const char* kServerTables[] = {
     "CREATE TABLE derived  (kind BIGINT NOT NULL, id BIGINT NOT NULL, data BYTEA NOT NULL, PRIMARY KEY "
     "(kind, id))",
 };
+constexpr int kLockTries = 20;
+constexpr unsigned kLockPause = 50000;  // [us]
 constexpr const char* kPlainTables[] = {"places", "memories", "views", "edges", "path"};
 
 /// What an error of the server means to a user.
@@ -111,6 +113,7 @@ class Server : public Connection {
       : map_(map), address_(parseAddress(map)), mode_(mode), connection_(connected()) {
     guarded(map_, [&] {
       work_ = std::make_unique<pqxx::nontransaction>(*connection_);
+      work_->exec("SET client_min_messages TO error");
       work_->exec("SET search_path TO \"" + address_.schema + "\"");
       if (mode_ != ServerMode::kReadOnly) lock();
       process_ = connection_->backendpid();
@@ -221,7 +224,10 @@ class Server : public Connection {
   /// The lock of the one who writes.
   void lock() {
     const std::string key = "hashtextextended('" + address_.schema + "', 0)";
-    if (work_->exec1("SELECT pg_try_advisory_lock(" + key + ")")[0].as<bool>()) return;
+    for (int i = 0; i < kLockTries; ++i) {  // a program that was killed a moment ago may seem to hold it
+      if (work_->exec1("SELECT pg_try_advisory_lock(" + key + ")")[0].as<bool>()) return;
+      usleep(kLockPause);
+    }
     const pqxx::result holder = work_->exec(
         "SELECT a.application_name, coalesce(host(a.client_addr), 'this machine'), "
         "a.backend_start::timestamp(0) "
