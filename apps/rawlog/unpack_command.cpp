@@ -98,8 +98,8 @@ std::string UnpackCommand::unpackFrame(const types::Frame& frame) {
   std::snprintf(text, sizeof text, ",%.7f,", frame.stamp);
   std::string line = left + text + right;
   if (!frame.T_odom_robot) return line + ",,,\n";
-  const sources::Pose2 pose = sources::toPose2(*frame.T_odom_robot);
-  std::snprintf(text, sizeof text, ",%.9g,%.9g,%.9g\n", pose.x, pose.y, pose.yaw);
+  const types::Pose2 pose = types::toPose2(*frame.T_odom_robot);
+  std::snprintf(text, sizeof text, ",%.9g,%.9g,%.9g\n", pose.x, pose.y, pose.heading);
   return line + text;
 }
 

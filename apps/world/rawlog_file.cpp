@@ -83,7 +83,7 @@ class RawlogFile::Impl {
     mrpt::obs::CActionCollection actions;
     mrpt::obs::CActionRobotMovement2D move;
     const world::Pose2 now = session_.drive().odometryAt(session_.drive().imageTimes()[i]);
-    const world::Pose2 step = last_.relative(now);
+    const world::Pose2 step = between(last_, now);
     move.timestamp = timeOf(frame.stamp);
     move.computeFromOdometry({step.x, step.y, step.heading}, {});
     actions.insert(move);

@@ -57,7 +57,7 @@ std::vector<Shown> driveThroughOffice(const cameras::StereoRig& rig, int frames,
   std::vector<Shown> shown;
   for (int i = 0; i < frames; ++i) {
     Shown one;
-    one.T_world_robot = world::toIsometry(office().route().at(start + i * step));
+    one.T_world_robot = types::toIsometry(office().route().at(start + i * step));
     const auto seed = static_cast<std::uint64_t>(2 * i);
     one.raw.left =
         grey(world::renderAt(scene(), left, one.T_world_robot * rig.left.T_robot_cam, {}, seed, 2));

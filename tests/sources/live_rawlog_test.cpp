@@ -28,7 +28,7 @@ types::Frame makeFrame(int number, int channels = 1) {
   types::Frame frame;
   frame.stamp = kStart + 0.1 * number + 1.23e-8;  // finer than a rawlog stores
   frame.image = picture(number, {64, 48}, channels);
-  frame.T_odom_robot = toIsometry({0.1 * number, -0.2, 0.7 * number});
+  frame.T_odom_robot = types::toIsometry({0.1 * number, -0.2, 0.7 * number});
   return frame;
 }
 
@@ -170,7 +170,7 @@ TEST(LiveRawlog, AReplayIsTheLiveRunBitForBit) {
       for (int i = 0; i < 30; ++i) {
         types::Frame frame = makeFrame(i, i % 2 == 0 ? 3 : 1);
         frame.index = 1000;
-        frame.T_odom_robot = toIsometry({1e3 / (1 + i), std::numbers::pi * i, 0.01 + 0.7 * i});
+        frame.T_odom_robot = types::toIsometry({1e3 / (1 + i), std::numbers::pi * i, 0.01 + 0.7 * i});
         if (stereo) frame.right = picture(100 + i, {64, 48}, 1);
         seen.push_back(writer.addReplayable(frame));
       }

@@ -30,7 +30,7 @@ Objects circleDrive(int channels = 3) {
   for (int i = 0; i <= 50; ++i) {
     const double t = 0.1 * i;
     const Pose2 p = truthAt(t);
-    objects.push_back(odometryObject(kStart + t, p.x, p.y, p.yaw));
+    objects.push_back(odometryObject(kStart + t, p.x, p.y, p.heading));
     objects.push_back(laserObject(kStart + t + 0.01));
     if (i % 3 == 1) objects.push_back(imageObject(kStart + t + 0.033, picture(image++, {64, 48}, channels)));
   }
@@ -81,7 +81,7 @@ Objects actionPairs(bool stamped, bool scanMatching) {
     const Pose2 step = i == 0 ? Pose2{} : between(truthAt(0.5 * (i - 1)), truthAt(0.5 * i));
     const double stamp = kStart + 0.5 * i;
     if (i > 0)
-      objects.push_back(actionObject(stamped ? stamp : -1.0, step.x, step.y, step.yaw, scanMatching));
+      objects.push_back(actionObject(stamped ? stamp : -1.0, step.x, step.y, step.heading, scanMatching));
     objects.push_back(sensoryFrame({laserObject(stamp), imageObject(stamp, picture(i))}));
   }
   return objects;

@@ -32,7 +32,7 @@ types::Frame makeFrame(int number, int channels = 3) {
   frame.index = static_cast<std::uint64_t>(number);
   frame.stamp = kStart + 0.1 * number;
   frame.image = picture(number, {64, 48}, channels);
-  frame.T_odom_robot = toIsometry({0.1 * number, -0.2, 0.05 * number});
+  frame.T_odom_robot = types::toIsometry({0.1 * number, -0.2, 0.05 * number});
   return frame;
 }
 

@@ -78,7 +78,7 @@ TEST(Drive, GoesRoundSeveralTimes) {
   EXPECT_LT(step, 0.05);  // no jump at the seam
   for (double t = end; t < twice.duration(); t += 0.5) {
     const double s = twice.arcLengthAt(t);
-    apart = std::max(apart, std::abs(officeRoute().at(s).relative(twice.poseAt(t)).y));
+    apart = std::max(apart, std::abs(between(officeRoute().at(s), twice.poseAt(t)).y));
   }
   EXPECT_GT(apart, 0.05);
   EXPECT_LT(apart, 0.6);
@@ -89,7 +89,7 @@ TEST(Drive, DiffersBetweenSeedsAndTheTestDriveIsElsewhere) {
   const Drive again(officeRoute(), {}, DriveKind::kTour, 1), test(officeRoute(), {}, DriveKind::kTest, 1);
   EXPECT_EQ(a.poseAt(30).x, again.poseAt(30).x);
   const auto aside = [](const Drive& d, double t) {
-    const Pose2 p = officeRoute().at(d.arcLengthAt(t)).relative(d.poseAt(t));
+    const Pose2 p = between(officeRoute().at(d.arcLengthAt(t)), d.poseAt(t));
     return std::abs(p.y);
   };
   double tour = 0, other = 0, apart = 0;
@@ -120,15 +120,15 @@ TEST(Drive, OdometryNoiseIsAsConfigured) {
   for (int i = 0; i < n; ++i) {
     const Drive d(route, p, DriveKind::kTour, 100 + static_cast<std::uint64_t>(i));
     const double t0 = 3.0, t1 = 6.0;  // a straight of 2 m or so
-    const Pose2 truth = d.poseAt(t0).relative(d.poseAt(t1));
-    const Pose2 odo = d.odometryAt(t0).relative(d.odometryAt(t1));
+    const Pose2 truth = between(d.poseAt(t0), d.poseAt(t1));
+    const Pose2 odo = between(d.odometryAt(t0), d.odometryAt(t1));
     along2 += std::pow(odo.x - truth.x, 2);
     length = std::hypot(truth.x, truth.y);
     double driven = 0;
     turned = 0;
     const auto& ticks = d.odometry();
     for (std::size_t k = 1; k < ticks.size(); ++k) {
-      const Pose2 step = d.poseAt(ticks[k - 1].t).relative(d.poseAt(ticks[k].t));
+      const Pose2 step = between(d.poseAt(ticks[k - 1].t), d.poseAt(ticks[k].t));
       driven += std::hypot(step.x, step.y), turned += std::abs(step.heading);
     }
     const double error =
@@ -150,7 +150,7 @@ TEST(Drive, PerfectWheelsReturnToTheStart) {
   p.odometry_distance = p.odometry_lateral = p.odometry_heading = p.odometry_turn = p.odometry_scale = 0;
   const Drive d(officeRoute(), p, DriveKind::kTour, 3);
   for (double t = 0; t < d.duration(); t += 1.7) {
-    const Pose2 truth = d.poseAt(0).relative(d.poseAt(t)), odo = d.odometryAt(t);
+    const Pose2 truth = between(d.poseAt(0), d.poseAt(t)), odo = d.odometryAt(t);
     EXPECT_NEAR(odo.x, truth.x, 0.004);  // interpolation between the readings
     EXPECT_NEAR(odo.y, truth.y, 0.004);
   }

@@ -58,7 +58,7 @@ TEST(Renderer, ProjectionAgreesWithTheCameraModel) {
   const Scene scene(w.building(), bare, w.library());
   for (const char* name : {"omni", "pinhole"}) {
     const Eyes eyes = presetEyes(name);
-    const Eigen::Isometry3d T = toIsometry({2.2, 1.9, 2.7}) * eyes.left.T_robot_cam;
+    const Eigen::Isometry3d T = types::toIsometry({2.2, 1.9, 2.7}) * eyes.left.T_robot_cam;
     int checked = 0;
     for (const double z : {0.3, 0.6, 1.0, 1.3, 1.6}) {
       const Eigen::Vector3d corner(1.0, 2.6,
@@ -91,7 +91,7 @@ TEST(Renderer, ShowsABoxWhereItProjects) {
   with.furniture.push_back(shelf);
   const Scene a(w.building(), bare, w.library()), b(w.building(), with, w.library());
   const Eyes eyes = presetEyes("pinhole");
-  const Eigen::Isometry3d T = toIsometry({4.0, 1.75, std::numbers::pi}) * eyes.left.T_robot_cam;
+  const Eigen::Isometry3d T = types::toIsometry({4.0, 1.75, std::numbers::pi}) * eyes.left.T_robot_cam;
   const Eigen::Vector2f half = shelf.half();
   // Front face at x = centre + half, seen head on: a rectangle in the picture.
   const auto low = *eyes.left.camera->project(

@@ -92,7 +92,7 @@ class Watch {
     const std::uint64_t walk = rng.bits(), noise = rng.bits();
     const auto people = world::walkers(world_, now.people, walk, rng.uniform(0, kWalk), pose);
     const world::Scene scene(world_.building(), now, world_.library());
-    const Eigen::Isometry3d T_world_cam = world::toIsometry(pose) * eyes_.left.T_robot_cam;
+    const Eigen::Isometry3d T_world_cam = types::toIsometry(pose) * eyes_.left.T_robot_cam;
     return world::renderAt(scene, renderer_, T_world_cam, people, noise);
   }
 

@@ -35,7 +35,7 @@ class Spot {
   types::Features look(const Pose2& pose, std::uint64_t seed,
                        const std::vector<world::Pillar>& people = {}) const {
     types::Frame frame;
-    const Eigen::Isometry3d T = world::toIsometry(pose);
+    const Eigen::Isometry3d T = types::toIsometry(pose);
     frame.image = world::renderAt(scene_, left_, T * eyes_.left.T_robot_cam, people, seed);
     frame.right = world::renderAt(scene_, right_, T * eyes_.right->T_robot_cam, people, seed + 1);
     return pipeline::viewFeatures(perception_, perception_.rectified(frame), params_.views.max_features);
@@ -65,7 +65,7 @@ std::vector<Pose2> straightPoses(const world::Route& route, int count) {
   std::vector<Pose2> straight;
   for (double s = 0; s < route.length(); s += 0.5) {
     const Pose2 here = route.at(s), ahead = route.at(s + 2);
-    const Pose2 step = here.relative(ahead);
+    const Pose2 step = between(here, ahead);
     if (std::abs(step.y) < 0.1 && std::abs(step.heading) < 0.05) straight.push_back(here);
   }
   std::vector<Pose2> poses;

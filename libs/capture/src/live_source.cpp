@@ -80,7 +80,7 @@ class LiveSource::Impl {
   bool addOdometry(types::Frame& frame) {
     const auto pose = feed_.at(frame.stamp, params_.odometry_hold,
                                std::chrono::duration<double>(1e-3 * params_.odometry_wait_ms));
-    if (pose) frame.T_odom_robot = sources::toIsometry(*pose);
+    if (pose) frame.T_odom_robot = types::toIsometry(*pose);
     if (feed_.readings() > 0) return true;
     ++withoutOdometry_;
     if (Clock::now() - start_ > kPatienceForOdometry)

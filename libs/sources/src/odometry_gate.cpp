@@ -12,10 +12,10 @@ constexpr double kMostTurned = 1e6;   // [rad] of a heading that is counted on: 
 constexpr double kLongestStep = 1e4;  // [m]
 
 PoseVerdict judge(const Pose2& pose, double farthest) {
-  if (!std::isfinite(pose.x) || !std::isfinite(pose.y) || !std::isfinite(pose.yaw))
+  if (!std::isfinite(pose.x) || !std::isfinite(pose.y) || !std::isfinite(pose.heading))
     return PoseVerdict::kNotFinite;
   const bool wild =
-      std::abs(pose.x) > farthest || std::abs(pose.y) > farthest || std::abs(pose.yaw) > kMostTurned;
+      std::abs(pose.x) > farthest || std::abs(pose.y) > farthest || std::abs(pose.heading) > kMostTurned;
   return wild ? PoseVerdict::kWild : PoseVerdict::kPass;
 }
 

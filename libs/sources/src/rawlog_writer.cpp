@@ -220,7 +220,7 @@ class RawlogWriter::Impl {
   void writeOdometry(const types::Frame& frame) {
     const Pose2 pose = toPose2(*frame.T_odom_robot);
     mrpt::obs::CObservationOdometry odometry;
-    odometry.odometry = mrpt::poses::CPose2D(pose.x, pose.y, pose.yaw);
+    odometry.odometry = mrpt::poses::CPose2D(pose.x, pose.y, pose.heading);
     pose_ = {odometry.odometry.x(), odometry.odometry.y(), odometry.odometry.phi()};  // it wraps the angle
     odometry.sensorLabel = params_.odometry_label;
     odometry.timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(rawlogTicks(frame.stamp)));

@@ -67,16 +67,6 @@ class Wander {
 
 }  // namespace
 
-Pose2 Pose2::operator*(const Pose2& b) const {
-  const double c = std::cos(heading), s = std::sin(heading);
-  return {x + c * b.x - s * b.y, y + s * b.x + c * b.y, wrap(heading + b.heading)};
-}
-
-Pose2 Pose2::relative(const Pose2& b) const {
-  const double c = std::cos(heading), s = std::sin(heading), dx = b.x - x, dy = b.y - y;
-  return {c * dx + s * dy, -s * dx + c * dy, wrap(b.heading - heading)};
-}
-
 void DriveParams::describe(base::Params& p) {
   p.add("spacing", spacing, "distance between images [m]", {0.05, 10});
   p.addDegrees("turn_spacing", turn_spacing, "angle between images when turning on the spot [deg]", {1, 180});
@@ -218,7 +208,7 @@ void Drive::takeImages() {
   double driven = params_.spacing, turned = 0;  // the first state gives an image
   for (std::size_t i = 0; i < states_.size(); ++i) {
     if (i > 0) {
-      const Pose2 d = states_[i - 1].pose.relative(states_[i].pose);
+      const Pose2 d = between(states_[i - 1].pose, states_[i].pose);
       driven += std::hypot(d.x, d.y);
       turned += std::abs(d.heading) * (std::hypot(d.x, d.y) < 1e-6 ? 1 : 0);  // on the spot
     }
@@ -237,7 +227,7 @@ void Drive::readWheels(base::Rng rng) {
   const double step = 1 / params_.odometry_rate;
   for (double t = step; t < duration() + step; t += step) {
     const Pose2 now = poseAt(std::min(t, duration()));
-    Pose2 d = before.relative(now);
+    Pose2 d = between(before, now);
     const double distance = std::hypot(d.x, d.y), angle = std::abs(d.heading);
     const double root = std::sqrt(distance);
     d.x = d.x * scale + params_.odometry_distance * root * rng.normal();

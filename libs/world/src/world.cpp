@@ -18,13 +18,6 @@ constexpr double kPersonalSpace = 0.7;  // [m] between people and the robot
 
 }  // namespace
 
-Eigen::Isometry3d toIsometry(const Pose2& pose) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::AngleAxisd(pose.heading, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  T.translation() = Eigen::Vector3d(pose.x, pose.y, 0);
-  return T;
-}
-
 Eyes presetEyes(const std::string& name) {
   if (name == "omni") return {name, cameras::parseCamera(kOmniCamera, "omni_world.ini"), {}};
   if (name == "pinhole") return {name, cameras::parseCamera(kPinholeCamera, "pinhole_world.ini"), {}};

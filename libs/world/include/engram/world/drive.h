@@ -4,6 +4,7 @@
 
 #include "engram/base/params.h"
 #include "engram/base/rng.h"
+#include "engram/types/pose2.h"
 #include "engram/world/plan.h"
 
 #include <cstdint>
@@ -11,14 +12,7 @@
 
 namespace engram::world {
 
-/// A pose on the floor: [m], [m], [rad].
-struct Pose2 {
-  double x = 0, y = 0, heading = 0;
-  /// The pose of `b`, given in this frame, in the frame of this one.
-  Pose2 operator*(const Pose2& b) const;
-  /// `b` as seen from this pose; both in one frame.
-  Pose2 relative(const Pose2& b) const;
-};
+using types::Pose2;  // T_world_robot
 
 /// How the robot drives and what its odometry is worth. Section [drive].
 struct DriveParams {

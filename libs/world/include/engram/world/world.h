@@ -127,7 +127,4 @@ class WorldSource : public sources::FrameSource {
   std::size_t next_ = 0;
 };
 
-/// T of a pose on the floor.
-Eigen::Isometry3d toIsometry(const Pose2& pose);
-
 }  // namespace engram::world
