@@ -77,7 +77,7 @@ std::vector<Pose2> straightPoses(const world::Route& route, int count) {
 
 /// Somebody who stands in front of the camera, half a metre away.
 std::vector<world::Pillar> somebodyBefore(const world::World& world, const Pose2& robot) {
-  const Pose2 at = robot * Pose2{0.5, 0, 0};
+  const Pose2 at = compose(robot, Pose2{0.5, 0, 0});
   world::Pillar person;
   person.centre = Eigen::Vector2d(at.x, at.y).cast<float>();
   person.heading = static_cast<float>(robot.heading);
@@ -113,7 +113,7 @@ std::vector<Pose2> allRound(const Pose2& pose, const OffsetCell& cell) {
   std::vector<Pose2> poses;
   double turn = cell.angle;
   for (const double way : {0.0, M_PI, M_PI / 2, -M_PI / 2}) {
-    poses.push_back(pose * Pose2{cell.distance * std::cos(way), cell.distance * std::sin(way), turn});
+    poses.push_back(compose(pose, Pose2{cell.distance * std::cos(way), cell.distance * std::sin(way), turn}));
     turn = -turn;
     if (cell.distance == 0 && poses.size() == 2) break;
   }
@@ -179,7 +179,7 @@ std::vector<SpotRun> ViewsWorld::spots() const {
     for (int look = 0; look < kLooks; ++look) {
       const int which = kind.appearance(look);
       const Spot& spot = appearances[static_cast<std::size_t>(which < 0 ? 7 : which)];
-      const Pose2 near = pose * Pose2{rng.normal(0, 0.03), rng.normal(0, 0.03), rng.normal(0, 0.015)};
+      const Pose2 near = compose(pose, Pose2{rng.normal(0, 0.03), rng.normal(0, 0.03), rng.normal(0, 0.015)});
       std::vector<world::Pillar> people;
       if (kind.blocked(look)) people = somebodyBefore(world, near);
       const base::PlaceId id(static_cast<std::uint32_t>(look));
