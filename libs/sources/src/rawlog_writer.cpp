@@ -218,7 +218,7 @@ class RawlogWriter::Impl {
   }
 
   void writeOdometry(const types::Frame& frame) {
-    const Pose2 pose = toPose2(*frame.T_odom_robot);
+    const Pose2 pose = types::toPose2(*frame.T_odom_robot);
     mrpt::obs::CObservationOdometry odometry;
     odometry.odometry = mrpt::poses::CPose2D(pose.x, pose.y, pose.heading);
     pose_ = {odometry.odometry.x(), odometry.odometry.y(), odometry.odometry.phi()};  // it wraps the angle

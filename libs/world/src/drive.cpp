@@ -235,7 +235,7 @@ void Drive::readWheels(base::Rng rng) {
     d.heading += std::sqrt(params_.odometry_heading * params_.odometry_heading * distance +
                            params_.odometry_turn * params_.odometry_turn * angle) *
                  rng.normal();
-    pose = pose * d;
+    pose = compose(pose, d);
     odometry_.push_back({std::min(t, duration()), pose});
     before = now;
   }
