@@ -193,8 +193,8 @@ TEST(Localizer, LearnsNothingFromTheFirstAnswers) {
   EXPECT_TRUE(localizer.finish().empty());
 }
 
-/// F algorithm 2 as printed (F-E16): the first image is learnt at the best guess, and so is one of a black
-/// wall.
+/// F algorithm 2 as printed (F-E16): the first image is learnt at the best guess, and so is one that no place
+/// looks like.
 TEST(Localizer, UngatedTheBestGuessLearnsEveryImage) {
   PipelineParams params = tinyParams();
   params.memory.gate = "none";
