@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 The Engram authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Sourced by demo.sh and test.sh: installs what is missing and builds. Debian 12, as root or with sudo.
+# Sourced by demo.sh and test.sh: installs what is missing and builds. Debian 12 and 13 (the packages have the same names), as
+# root or with sudo.
 
 ENGRAM_PACKAGES=(
   build-essential cmake ninja-build ccache pkg-config git
