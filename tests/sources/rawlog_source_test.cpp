@@ -180,6 +180,19 @@ TEST(RawlogSource, ExternalImagesAndMissingOnes) {
   EXPECT_EQ(readFrames(*moved).size(), 2u);
 }
 
+TEST(RawlogSource, ExternalImagesInMrptsOtherPlaces) {
+  for (const char* place : {"a_images", "Images"}) {
+    const TempFolder folder;
+    std::filesystem::create_directory(folder.path(place));
+    cv::imwrite(folder.path(std::string(place) + "/x.png"), picture(7));
+    writeWithMrpt(folder.path("a.rawlog"), {externalImageObject(kStart, "x.png")}, true);
+    const auto source = openRawlog(folder.path("a.rawlog"));
+    const auto frames = readFrames(*source);
+    ASSERT_EQ(frames.size(), 1u) << place;
+    EXPECT_EQ(difference(frames[0].image, picture(7)), 0.0);
+  }
+}
+
 TEST(RawlogSource, ChoosesACamera) {
   const TempFolder folder;
   Objects objects;
