@@ -1,11 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The Engram authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Sourced by demo.sh and test.sh: installs what is missing and builds. Debian 12, as root or with sudo.
+# Sourced by demo.sh and test.sh: installs what is missing and builds. Debian 12 and 13 (the packages have the same names), as
+# root or with sudo.
 
 ENGRAM_PACKAGES=(
   build-essential cmake ninja-build ccache pkg-config git
+<<<<<<< HEAD
   libmrpt-dev mrpt-common libopencv-dev libeigen3-dev libceres-dev libsqlite3-dev zlib1g-dev libdeflate-dev libjpeg-dev
+=======
+  libmrpt-dev mrpt-common libopencv-dev libeigen3-dev libceres-dev libsqlite3-dev zlib1g-dev libzstd-dev liblz4-dev libbz2-dev libjpeg-dev
+>>>>>>> bags
   libcli11-dev nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev
   libpqxx-dev libmosquitto-dev
   libaravis-dev libusb-1.0-0-dev aravis-tools libglfw3-dev xvfb help2man python3

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Engram authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "engram/bags/bag.h"
 #include "engram/base/error.h"
 #include "engram/base/interrupt.h"
 #include "engram/base/progress.h"
@@ -71,13 +72,17 @@ class EyeInspector {
 class InfoCommand final : public Program {
  public:
   std::string name() const override { return "info"; }
-  std::string description() const override { return "What a rawlog holds, and whether it is damaged"; }
+  std::string description() const override {
+    return "What a rawlog or a ROS bag holds, and whether it is damaged";
+  }
   std::string examples() const override {
-    return "  engram-rawlog info walk.rawlog\n  engram-rawlog info walk.rawlog --json walk.json\n"
+    return "  engram-rawlog info walk.rawlog\n  engram-rawlog info walk.bag     # its topics\n"
+           "  engram-rawlog info walk.rawlog --json walk.json\n"
            "  engram-rawlog info stereo.rawlog --camera stereo.ini    # are the eyes in order?\n";
   }
   void declare(CLI::App& app) override {
-    app.add_option("rawlog", path_, "Rawlog to read, gzip or plain")->required();
+    app.add_option("rawlog", path_, "Rawlog to read, gzip or plain, or bag (.bag, .db3, .mcap, folder)")
+        ->required();
     app.add_option("--sensor-label", params_.sensor_label, "Camera to look at; default: the first one");
     app.add_option("--right-label", params_.right_label,
                    "Right camera, where both eyes are recorded as cameras of their own");
@@ -90,6 +95,7 @@ class InfoCommand final : public Program {
   int run(std::ostream& out, std::ostream& err) override;
 
  private:
+  int runOnBag(std::ostream& out, std::ostream& err) const;
   void print(std::ostream& out, const sources::RawlogSource& source, const ImageSummary& images) const;
   nlohmann::json figures(const sources::RawlogStats& stats, const ImageSummary& images) const;
 
@@ -101,6 +107,7 @@ class InfoCommand final : public Program {
 
 int InfoCommand::run(std::ostream& out, std::ostream& err) {
   base::requireWritable(common_.json);
+  if (bags::isBag(path_)) return runOnBag(out, err);
   if (!camera_.empty()) rig_ = cameras::loadStereoRig(camera_);
   const auto source = sources::openRawlog(path_, params_);
   ImageSummary images;
@@ -129,6 +136,24 @@ int InfoCommand::run(std::ostream& out, std::ostream& err) {
   writeJson(common_.json, json);
   if (!fault.empty()) err << "engram-rawlog: " << path_ << ": " << fault << "\n";
   return finish(source->problem(), source->whole() && fault.empty(), base::interrupted(), err);
+}
+
+int InfoCommand::runOnBag(std::ostream& out, std::ostream& err) const {
+  const auto reader = bags::openBag(path_);
+  {
+    base::Progress progress(common_.progressTo(err), "info");
+    for (std::size_t n = 0; !base::interrupted() && reader->next(); ++n)
+      progress.update(reader->progress(), n);
+  }
+  out << path_ << ": bag of ROS; engram-rawlog import makes a rawlog of it\n";
+  nlohmann::json topics = nlohmann::json::array();
+  for (const auto& topic : reader->topics()) {
+    out << "  " << base::printable(topic.name) << " (" << base::printable(topic.type)
+        << "): " << topic.messages << "\n";
+    topics.push_back({{"topic", topic.name}, {"type", topic.type}, {"messages", topic.messages}});
+  }
+  writeJson(common_.json, {{"topics", topics}, {"problem", reader->problem()}});
+  return finish(reader->problem(), reader->problem().empty(), base::interrupted(), err);
 }
 
 void InfoCommand::print(std::ostream& out, const sources::RawlogSource& source,

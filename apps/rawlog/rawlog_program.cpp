@@ -35,13 +35,15 @@ std::pair<int, int> parseSize(const std::string& text, const std::string& option
 
 RawlogProgram::RawlogProgram() {
   add(makePackCommand());
+  add(makeImportCommand());
   add(makeInfoCommand());
   add(makeUnpackCommand());
   add(makeCalibrateCommand());
 }
 
 std::string RawlogProgram::description() const {
-  return "Makes MRPT rawlogs of image folders and back, says what is in one, and calibrates cameras.";
+  return "Makes MRPT rawlogs of image folders and back, or of ROS bags, says what is in one, and calibrates "
+         "cameras.";
 }
 
 }  // namespace engram::apps

@@ -21,11 +21,13 @@ struct CommonOptions {
 };
 
 std::unique_ptr<Program> makePackCommand();
+std::unique_ptr<Program> makeImportCommand();
 std::unique_ptr<Program> makeInfoCommand();
 std::unique_ptr<Program> makeUnpackCommand();
 std::unique_ptr<Program> makeCalibrateCommand();
 
-/// engram-rawlog: image folders to rawlogs and back, what is in a rawlog, camera calibration.
+/// engram-rawlog: image folders to rawlogs and back, ROS bags to rawlogs, what is in a rawlog, camera
+/// calibration.
 class RawlogProgram final : public CommandProgram {
  public:
   RawlogProgram();

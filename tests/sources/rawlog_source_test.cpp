@@ -9,6 +9,9 @@
 
 #include <gmock/gmock.h>
 #include <mrpt/obs/CObservation.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include <limits>
@@ -178,6 +181,40 @@ TEST(RawlogSource, ExternalImagesAndMissingOnes) {
   params.images_dir = folder.path("elsewhere");
   auto moved = openRawlog(folder.path("a.rawlog"), params);
   EXPECT_EQ(readFrames(*moved).size(), 2u);
+}
+
+TEST(RawlogSource, ExternalImagesInMrptsOtherPlaces) {
+  for (const char* place : {"a_images", "Images"}) {
+    const TempFolder folder;
+    std::filesystem::create_directory(folder.path(place));
+    cv::imwrite(folder.path(std::string(place) + "/x.png"), picture(7));
+    writeWithMrpt(folder.path("a.rawlog"), {externalImageObject(kStart, "x.png")}, true);
+    const auto source = openRawlog(folder.path("a.rawlog"));
+    const auto frames = readFrames(*source);
+    ASSERT_EQ(frames.size(), 1u) << place;
+    EXPECT_EQ(difference(frames[0].image, picture(7)), 0.0);
+  }
+}
+
+TEST(RawlogSource, KnowsTheLabelsOfOtherSensors) {
+  const TempFolder folder;
+  const auto named = [](auto observation, const char* label) {
+    observation->sensorLabel = label;
+    observation->timestamp = mrpt::Clock::fromDouble(kStart);
+    return observation;
+  };
+  const auto scan = named(std::make_shared<mrpt::obs::CObservation2DRangeScan>(), "L1");
+  scan->resizeScan(181);
+  const auto lidar = named(std::make_shared<mrpt::obs::CObservationVelodyneScan>(), "VLP");
+  lidar->scan_packets.resize(2);
+  const auto imu = named(std::make_shared<mrpt::obs::CObservationIMU>(), "IMU1");
+  writeWithMrpt(folder.path("a.rawlog"), {scan, lidar, imu, imageObject(kStart, picture(1))}, true);
+  const auto source = openRawlog(folder.path("a.rawlog"));
+  readFrames(*source);
+  const auto labelOf = [&](const char* name) { return source->stats().objects.at(name).begin()->first; };
+  EXPECT_EQ(labelOf("CObservation2DRangeScan"), "L1");
+  EXPECT_EQ(labelOf("CObservationVelodyneScan"), "VLP");
+  EXPECT_EQ(labelOf("CObservationIMU"), "IMU1");
 }
 
 TEST(RawlogSource, ChoosesACamera) {

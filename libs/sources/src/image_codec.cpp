@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "image_codec.h"
 
+#include "engram/sources/image_bytes.h"
+
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -161,6 +163,12 @@ Decoded decode(const EncodedImage& image, const std::string& folder) {
   if (!out.image.empty() && !image.size.empty() && image.size != out.image.size())
     return failed("damaged image: its size contradicts the rawlog");
   return out;
+}
+
+cv::Mat decodeImageBytes(std::span<const std::uint8_t> bytes, std::string& failure) {
+  Decoded out = decodeFile(bytes);
+  failure = out.failure;
+  return std::move(out.image);
 }
 
 std::vector<std::uint8_t> encodeJpeg(const cv::Mat& image, int quality) {

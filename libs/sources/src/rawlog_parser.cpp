@@ -74,21 +74,40 @@ std::string textAtEnd(std::span<const std::uint8_t> bytes) {
   return {};
 }
 
-/// What looks like the label of an object of any class: the last text of letters and digits with its length
-/// before it.
-std::string guessLabel(std::span<const std::uint8_t> bytes) {
+/// Whether a stamp of MRPT between 1990 and 2100 begins at `at`.
+bool hasStampAt(std::span<const std::uint8_t> bytes, std::size_t at) {
+  if (at > bytes.size() || bytes.size() - at < 8) return false;
+  std::uint64_t ticks = 0;
+  std::memcpy(&ticks, bytes.data() + at, sizeof ticks);
+  return ticks > 122'700'000'000'000'000 && ticks < 157'500'000'000'000'000;
+}
+
+/// A text of letters and digits at `at`, with its length before it; empty when there is none.
+std::string labelAt(std::span<const std::uint8_t> bytes, std::size_t at) {
   const auto isLabelChar = [](std::uint8_t c) {
     return std::isalnum(c) != 0 || (c != 0 && std::strchr("_-./ ", c) != nullptr);
   };
-  for (std::size_t i = bytes.size(); i-- > 0;) {
-    if (bytes.size() - i < 8) continue;
-    const std::uint32_t n = lengthAt(bytes.subspan(i));
-    if (n < 4 || n > 64 || n > bytes.size() - i - 4) continue;
-    const auto text = bytes.subspan(i + 4, n);
-    if (std::isalpha(text[0]) != 0 && std::all_of(text.begin(), text.end(), isLabelChar))
-      return {text.begin(), text.end()};
+  const std::uint32_t n = lengthAt(bytes.subspan(at));
+  if (n < 1 || n > 64 || n > bytes.size() - at - 4) return {};
+  const auto text = bytes.subspan(at + 4, n);
+  if (std::isalpha(text[0]) == 0 || !std::all_of(text.begin(), text.end(), isLabelChar)) return {};
+  return {text.begin(), text.end()};
+}
+
+/// What looks like the label of an object of any class: the last text beside a stamp, else the last of four
+/// letters and more that is no name of a type.
+std::string guessLabel(std::span<const std::uint8_t> bytes) {
+  std::string longest;
+  for (std::size_t i = bytes.size() < 5 ? 0 : bytes.size() - 4; i-- > 0;) {
+    const std::string label = labelAt(bytes, i);
+    if (label.empty()) continue;
+    // Range scans have four bytes between.
+    const bool stamped = (i >= 8 && hasStampAt(bytes, i - 8)) || (i >= 12 && hasStampAt(bytes, i - 12)) ||
+                         hasStampAt(bytes, i + 4 + label.size());
+    if (stamped) return label;
+    if (longest.empty() && label.size() >= 4 && !label.ends_with("_t")) longest = label;
   }
-  return {};
+  return longest;
 }
 
 }  // namespace

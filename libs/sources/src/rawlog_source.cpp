@@ -22,7 +22,11 @@ namespace fs = std::filesystem;
 std::string imagesFolder(const std::string& path, const RawlogParams& params) {
   if (!params.images_dir.empty()) return params.images_dir;
   const fs::path file(path);
-  return (file.parent_path() / (file.stem().string() + "_Images")).string();
+  const std::string stem = file.stem().string();
+  // The first that is there, in the order in which MRPT looks for them.
+  for (const std::string& name : {stem + "_Images", stem + "_images", std::string("Images")})
+    if (fs::is_directory(file.parent_path() / name)) return (file.parent_path() / name).string();
+  return (file.parent_path() / (stem + "_Images")).string();
 }
 
 class Source final : public RawlogSource {
