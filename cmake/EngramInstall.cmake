@@ -74,11 +74,7 @@ if(PROJECT_IS_TOP_LEVEL)
   set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libengram-dev)
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libmrpt-dev, libopencv-dev, libeigen3-dev, libceres-dev, \
-<<<<<<< HEAD
-libsqlite3-dev, zlib1g-dev, libdeflate-dev, libjpeg-dev, nlohmann-json3-dev, libaravis-dev, libglfw3-dev, libpqxx-dev, pkg-config")
-=======
-libsqlite3-dev, zlib1g-dev, libzstd-dev, liblz4-dev, libbz2-dev, libjpeg-dev, nlohmann-json3-dev, libaravis-dev, libglfw3-dev, pkg-config")
->>>>>>> bags
+libsqlite3-dev, zlib1g-dev, libdeflate-dev, libzstd-dev, liblz4-dev, libbz2-dev, libjpeg-dev, nlohmann-json3-dev, libaravis-dev, libglfw3-dev, libpqxx-dev, pkg-config")
   set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION "${PROJECT_DESCRIPTION}: the programs")
   set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "${PROJECT_DESCRIPTION}: libraries and headers")
   include(CPack)

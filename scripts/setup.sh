@@ -6,11 +6,7 @@
 
 ENGRAM_PACKAGES=(
   build-essential cmake ninja-build ccache pkg-config git
-<<<<<<< HEAD
-  libmrpt-dev mrpt-common libopencv-dev libeigen3-dev libceres-dev libsqlite3-dev zlib1g-dev libdeflate-dev libjpeg-dev
-=======
-  libmrpt-dev mrpt-common libopencv-dev libeigen3-dev libceres-dev libsqlite3-dev zlib1g-dev libzstd-dev liblz4-dev libbz2-dev libjpeg-dev
->>>>>>> bags
+  libmrpt-dev mrpt-common libopencv-dev libeigen3-dev libceres-dev libsqlite3-dev zlib1g-dev libdeflate-dev libzstd-dev liblz4-dev libbz2-dev libjpeg-dev
   libcli11-dev nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev
   libpqxx-dev libmosquitto-dev
   libaravis-dev libusb-1.0-0-dev aravis-tools libglfw3-dev xvfb help2man python3
