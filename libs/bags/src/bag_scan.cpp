@@ -48,14 +48,14 @@ std::optional<Eigen::Isometry3d> BagOdometry::at(double stamp) const {
   const auto after = std::lower_bound(samples_.begin(), samples_.end(), stamp,
                                       [](const Sample& sample, double t) { return sample.stamp < t; });
   const bool hasAfter = after != samples_.end(), hasBefore = after != samples_.begin();
-  if (hasAfter && after->stamp == stamp) return sources::toIsometry(after->pose);
+  if (hasAfter && after->stamp == stamp) return types::toIsometry(after->pose);
   if (hasAfter && hasBefore && after->stamp - (after - 1)->stamp <= kLongestStep) {
     const Sample& before = *(after - 1);
     const double share = (stamp - before.stamp) / (after->stamp - before.stamp);
-    return sources::toIsometry(sources::interpolate(before.pose, after->pose, share));
+    return types::toIsometry(types::interpolate(before.pose, after->pose, share));
   }
-  if (hasBefore && stamp - (after - 1)->stamp <= kHold) return sources::toIsometry((after - 1)->pose);
-  if (hasAfter && after->stamp - stamp <= kHold) return sources::toIsometry(after->pose);
+  if (hasBefore && stamp - (after - 1)->stamp <= kHold) return types::toIsometry((after - 1)->pose);
+  if (hasAfter && after->stamp - stamp <= kHold) return types::toIsometry(after->pose);
   return std::nullopt;
 }
 

@@ -14,7 +14,7 @@ namespace engram::bags {
 class BagOdometry {
  public:
   void add(double stamp, const Eigen::Isometry3d& T_odom_robot) {
-    samples_.push_back({stamp, sources::toPose2(T_odom_robot)});
+    samples_.push_back({stamp, types::toPose2(T_odom_robot)});
   }
   /// To be called after the last add().
   void sort();
