@@ -32,8 +32,8 @@ class MapProgram : public Program {
   int exportMap(std::ostream& out) const;
 
   CLI::App *info_ = nullptr, *check_ = nullptr, *dump_ = nullptr, *export_ = nullptr, *train_ = nullptr,
-           *indexOf_ = nullptr, *copyTo_ = nullptr, *recoverTo_ = nullptr, *config_ = nullptr, *diff_ = nullptr,
-           *merge_ = nullptr;
+           *indexOf_ = nullptr, *copyTo_ = nullptr, *recoverTo_ = nullptr, *config_ = nullptr,
+           *diff_ = nullptr, *merge_ = nullptr;
   std::string map_, json_, format_, output_;
   TrainVocabularyCommand trainVocabulary_;
   IndexCommand index_;

@@ -173,7 +173,8 @@ TEST(Merge, CopiesThatWentOnApartShareTheirPast) {
   EXPECT_EQ(merged.content.places.size(), first().content.places.size());
   EXPECT_EQ(merged.content.edges.size(), first().content.edges.size());
   EXPECT_EQ(merged.content.path.size(), first().content.path.size());
-  EXPECT_EQ(merged.content.places.at(learnt).memory->updates, theirs.content.places.at(learnt).memory->updates);
+  EXPECT_EQ(merged.content.places.at(learnt).memory->updates,
+            theirs.content.places.at(learnt).memory->updates);
   EXPECT_EQ(merged.content.places.at(map::PlaceId(1)).memory->updates,
             mine.content.places.at(map::PlaceId(1)).memory->updates);
   EXPECT_EQ(merged.drives.size(), 3u);

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "epipolar.h"
 #include "engram/types/rel_pose.h"
+#include "epipolar.h"
 
 #include <optional>
 #include <span>
