@@ -246,10 +246,6 @@ TEST_P(Recall, TheRightViewIsAmongTheFirstFifteen) {
   EXPECT_GE(hits, 59);  // 97 % of 60
 }
 
-std::string kindName(const testing::TestParamInfo<DescriptorKind>& test) {
-  const char* names[] = {"Float", "Int8", "Binary"};
-  return names[static_cast<std::size_t>(test.param)];
-}
 INSTANTIATE_TEST_SUITE_P(Kinds, Recall,
                          testing::Values(DescriptorKind::kFloat, DescriptorKind::kInt8,
                                          DescriptorKind::kBinary),

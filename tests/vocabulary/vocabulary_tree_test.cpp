@@ -144,6 +144,21 @@ TEST_P(Tree, IsTheSameAfterReading) {
   EXPECT_EQ(read.wordsOf(queries), tree.wordsOf(queries));
 }
 
+INSTANTIATE_TEST_SUITE_P(Kinds, Tree,
+                         testing::Values(DescriptorKind::kFloat, DescriptorKind::kInt8,
+                                         DescriptorKind::kBinary),
+                         kindName);
+
+TEST(VocabularyTree, ComparesFloatsAsBytesWhereBothOccur) {
+  base::Rng rng(2);
+  const auto floats = randomFloats(200, 64, rng);
+  const auto bytes = types::quantised(randomFloats(200, 64, rng));
+  const Descriptors* images[] = {&floats, &bytes};
+  const auto tree = VocabularyTree::train(images, {});
+  EXPECT_EQ(tree.kind(), DescriptorKind::kInt8);
+  EXPECT_EQ(tree.wordsOf(floats), tree.wordsOf(types::quantised(floats)));
+}
+
 TEST(VocabularyTree, RefusesWhatItCannotUse) {
   base::Rng rng(3);
   const auto bits = randomBits(30, 256, rng);

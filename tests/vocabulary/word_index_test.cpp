@@ -128,6 +128,37 @@ TEST_P(Words, GoesOnAfterReadingAsIfNothingHadHappened) {
   }
 }
 
+INSTANTIATE_TEST_SUITE_P(Kinds, Words,
+                         testing::Values(DescriptorKind::kFloat, DescriptorKind::kInt8,
+                                         DescriptorKind::kBinary),
+                         kindName);
+
+TEST(WordIndex, GivesVotesThatTheRuleOfTheFilterTakes) {
+  // A-E11 does not see the scale of its scores, so that votes may be brought into [0, 1] by maxVote().
+  base::Rng rng(6);
+  const auto rows = randomFloats(6 * 20 + 10, 64, rng);
+  WordIndex words({});
+  for (std::uint32_t p = 0; p < 6; ++p) see(words, p, p, look(rows, p, rng));
+  std::vector<double> raw(6, 0.0), scaled(6, 0.0);
+  for (const Vote& v : words.recognise(look(rows, 2, rng)).votes) {
+    raw[v.place.value] = v.score;
+    scaled[v.place.value] = v.score / words.index().maxVote();
+  }
+  double mean = 0, variance = 0;
+  for (const double s : raw) mean += s / 6;
+  for (const double s : raw) variance += (s - mean) * (s - mean) / 6;
+  const double sigma = std::sqrt(variance);
+  belief::BeliefParams params;
+  params.likelihood = "angeli";
+  params.floor = 1e-12;
+  const auto l = belief::likelihood(scaled, belief::Adjacency::fromEdges(6, {}), params);
+  const double best = (raw[2] - sigma) / mean, novel = mean / sigma + 1;
+  ASSERT_GT(best, novel);
+  EXPECT_NEAR(l.newPlace, novel / best, 1e-9);
+  EXPECT_EQ(l.places[2], 1.0);
+  EXPECT_NEAR(l.places[0], 1 / best, 1e-9);
+}
+
 TEST(WordIndex, LeavesAllAsItWasWhenItRefuses) {
   base::Rng rng(3);
   const auto d = randomFloats(10, 64, rng), other = randomFloats(10, 64, rng);
