@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kCsvHeader =
     "index,stamp,label,outcome,place,place_label,best_guess,best_guess_label,posterior,similarity,inliers,"
     "verdict,best_guess_verdict,error_places,ms,reason,x,y,heading,sigma_along,sigma_across,sigma_heading,"
-    "pose_error,heading_error";
+    "pose_error,heading_error,accepted_by";
 
 /// F-26: right is within this many places of the truth.
 constexpr double kRightPlaces = 1.25;
@@ -80,6 +80,7 @@ void LocalizeFigures::add(const types::FrameReport& report) {
   milliseconds_.add(report.milliseconds);
   use_.add(report);
   accepted_ += result.accepted;
+  bySequence_ += report.acceptedBy == types::AcceptedBy::kSequence;
   learnt_ += report.learnt.size();
   if (csv_.wanted()) write(report, result, off);
 }
@@ -99,6 +100,8 @@ void LocalizeFigures::write(const types::FrameReport& report, const evaluation::
   line << ',' << report.milliseconds << ',' << quoted(report.reason) << ',' << columns(report.pose) << ',';
   if (off) line << off->position << ',' << off->heading;
   if (!off) line << ',';
+  line << ',';
+  if (result.accepted) line << types::toString(report.acceptedBy);
   csv_.add(line.str());
 }
 
@@ -126,6 +129,7 @@ nlohmann::json LocalizeFigures::toJson() const {
   nlohmann::json j = {{"images", images()},
                       {"queries", truth_ ? s.queries : images()},
                       {"accepted", truth_ ? s.accepted : accepted_},
+                      {"accepted_by_sequence", bySequence_},
                       {"adapted", learnt_},
                       {"causes", use_.toJson()},
                       {"ms_per_image", spread(milliseconds_.summary())},
@@ -154,6 +158,7 @@ nlohmann::json LocalizeFigures::toJson() const {
 void LocalizeFigures::print(std::ostream& out) const {
   const evaluation::LocalisationScore s = evaluation::score(results_);
   out << images() << " images, " << accepted_ << " accepted";
+  if (bySequence_ > 0) out << " (" << bySequence_ << " by the sequence)";
   if (learnt_ > 0) out << ", " << learnt_ << " learnt from";
   out << "\n";
   if (truth_) {

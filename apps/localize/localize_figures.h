@@ -26,7 +26,8 @@ class LocalizeFigures {
   /// @param csv takes a line an image: index, stamp, label, outcome, place and best guess with the images
   /// that
   ///   made them, posterior, similarity, inliers, verdicts, error [places], time [ms],
-  ///   reason, pose in the map [m, rad] with deviations, its error where there is truth
+  ///   reason, pose in the map [m, rad] with deviations, its error where there is truth, what it was
+  ///   accepted by
   LocalizeFigures(const map::TopologicalMap& map, const MapTruth* truth, base::LineFile& csv)
       : map_(map), truth_(truth), csv_(csv) {}
 
@@ -38,8 +39,8 @@ class LocalizeFigures {
 
   /// Keys: images, queries, answerable, accepted, right, wrong, best_guess_right, within_1_25_places,
   /// error_places {mean, median, p95, max}, pose_error [m] and heading_error [rad] likewise, pose_nees (1
-  /// when the reported covariance is right), adapted, causes {reason: count}, ms_per_image {mean, median,
-  /// p95, max}, peak_rss_bytes. Verdicts are null without truth.
+  /// when the reported covariance is right), accepted_by_sequence (of those accepted), adapted, causes
+  /// {reason: count}, ms_per_image {mean, median, p95, max}, peak_rss_bytes. Verdicts are null without truth.
   nlohmann::json toJson() const;
   void print(std::ostream& out) const;
 
@@ -62,7 +63,7 @@ class LocalizeFigures {
   std::vector<PoseError> poseErrors_;                    // the same
   evaluation::RunningPercentiles milliseconds_;
   RunUse use_;
-  int accepted_ = 0;
+  int accepted_ = 0, bySequence_ = 0;
   std::size_t learnt_ = 0;
 };
 

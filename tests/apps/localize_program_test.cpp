@@ -60,7 +60,7 @@ TEST_F(LocalizeTest, AnswersAreRightByTruthAndTheMapStaysByteForByte) {
   EXPECT_EQ(line,
             "index,stamp,label,outcome,place,place_label,best_guess,best_guess_label,posterior,similarity,"
             "inliers,verdict,best_guess_verdict,error_places,ms,reason,x,y,heading,sigma_along,sigma_across,"
-            "sigma_heading,pose_error,heading_error");
+            "sigma_heading,pose_error,heading_error,accepted_by");
   int lines = 0, right = 0;
   while (std::getline(csv, line)) {
     EXPECT_THAT(line, ::testing::StartsWith(std::to_string(lines) + ","));

@@ -276,6 +276,30 @@ TEST(Localizer, AdaptsWithEveryMemory) {
   }
 }
 
+TEST(Localizer, ImagesInARowAreAcceptedWhereNoneHasMatchesEnough) {
+  PipelineParams params = tinyParams();
+  params.verify.min_inliers = 10000;  // geometry never confirms
+  const std::string before = dump(firstMap().content());
+  for (const int sequence : {0, 6}) {
+    params.recognise.sequence = sequence;
+    Pipeline localizer(params, firstMap(), Use::kAdapt);
+    int accepted = 0, right = 0;
+    for (const auto& frame : secondDrive().frames) {
+      const types::FrameReport report = localizer.process(frame);
+      if (report.outcome != Outcome::kRecognised) continue;
+      EXPECT_EQ(report.acceptedBy, types::AcceptedBy::kSequence);
+      EXPECT_GE(static_cast<int>(report.index), sequence - 1);
+      ++accepted;
+      right += firstMap().hopDistances(truePlace(report.index), 2).count(report.place) > 0;
+    }
+    localizer.finish();
+    EXPECT_EQ(dump(localizer.map().content()), before) << "a sequence taught the map";
+    if (sequence > 0) EXPECT_GE(accepted, 5);
+    if (sequence == 0) EXPECT_EQ(accepted, 0);
+    EXPECT_EQ(right, accepted);
+  }
+}
+
 TEST(Localizer, RestartForgetsTheBelief) {
   Pipeline used(tinyParams(), firstMap(), Use::kFrozen);
   for (std::size_t i = 0; i < 10; ++i) used.process(secondDrive().frames[i]);

@@ -41,6 +41,18 @@ TEST(ReportJson, RoundTrips) {
   EXPECT_FALSE(reportFromJson(toJson(empty)).place.valid());
 }
 
+TEST(ReportJson, SaysWhatAPlaceWasAcceptedByAndItsRival) {
+  types::FrameReport r = sampleReport();
+  EXPECT_THAT(toJson(r), Not(HasSubstr("accepted_by")));
+  r.acceptedBy = types::AcceptedBy::kSequence;
+  r.rival = base::PlaceId(7);
+  EXPECT_THAT(toJson(r), HasSubstr(R"("accepted_by":"sequence","rival":7)"));
+  const types::FrameReport back = reportFromJson(toJson(r));
+  EXPECT_EQ(back.acceptedBy, types::AcceptedBy::kSequence);
+  EXPECT_EQ(back.rival, base::PlaceId(7));
+  EXPECT_THROW(reportFromJson(R"({"accepted_by":"luck"})"), base::Error);
+}
+
 TEST(ReportJson, LiveStateIsOfTheRunAndNotOfTheMap) {
   types::FrameReport r = sampleReport();
   r.live = types::LiveState{17.5, 1, 2, 3, 4};

@@ -110,6 +110,7 @@ std::string streamLine(const types::FrameReport& report, const std::optional<Str
             {"new_place", rounded(report.newPlaceProbability, kMillion)},
             {"inliers", nullptr},
             {"latency_ms", nullptr}};
+  if (report.acceptedBy != types::AcceptedBy::kNothing) j["accepted_by"] = types::toString(report.acceptedBy);
   if (pose) {
     Json heading = nullptr;
     if (pose->heading) heading = rounded(*pose->heading * 180.0 / std::numbers::pi, kMillion);

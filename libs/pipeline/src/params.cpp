@@ -54,6 +54,10 @@ void RecogniseParams::describe(base::Params& p) {
         "a leap through the map is refused when a place far from there has this share of its verified "
         "matches; 0: never",
         {0, 1});
+  p.add("sequence", sequence,
+        "localising: images in a row that together may say where the robot is while none has matches enough; "
+        "nothing is learnt from it; 0: never",
+        {0, 1000});
   p.add("closure_inliers", closure_inliers, "verified matches that a loop closure needs", {4, 10000});
   p.add(
       "sure_inliers", sure_inliers,

@@ -125,7 +125,9 @@ std::function<bool(base::PlaceId)> farFrom(const Run& run, base::PlaceId place) 
   const auto near = run.map.hopDistances(place, run.params.place.recent_hops);
   const Eigen::Vector3d here = run.map.place(place).T_map_place.translation();
   const double beside = 2.0 * run.params.place.spacing;
-  return [&run, near, here, beside](base::PlaceId other) {
+  const bool metric = !run.map.place(place).memory.features.ranges.empty();
+  return [&run, near, here, beside, metric](base::PlaceId other) {
+    if (!metric) return !near.contains(other);  // poses that nothing measured are no distances
     return !near.contains(other) && (run.map.place(other).T_map_place.translation() - here).norm() > beside;
   };
 }

@@ -78,6 +78,7 @@ Decision PlaceDecide::decide(Run& run, const Keyframe&, const Verified& verified
     decision.T_known_robot = atPlace(run, *decision.known);
     judgeEchoes(run, verified.echoes, decision.known->place, decision.T_known_robot, report);
     report.outcome = types::Outcome::kRecognised;
+    report.acceptedBy = types::AcceptedBy::kGeometry;
     report.place = decision.known->place;
     misses_ = 0;
     return decision;
@@ -133,9 +134,14 @@ bool PlaceDecide::isNew(const Run& run, types::FrameReport& report) {
 Decision KnownDecide::decide(Run& run, const Keyframe&, const Verified& verified,
                              types::FrameReport& report) {
   Decision decision{.known = verified.accepted};
-  report.outcome = decision.known ? types::Outcome::kRecognised : types::Outcome::kRefused;
-  report.reason = decision.known ? "" : verified.reason;
-  if (!decision.known) {
+  const bool bySequence = !decision.known && verified.bySequence.valid();
+  report.outcome = decision.known || bySequence ? types::Outcome::kRecognised : types::Outcome::kRefused;
+  report.acceptedBy = decision.known ? types::AcceptedBy::kGeometry
+                      : bySequence   ? types::AcceptedBy::kSequence
+                                     : types::AcceptedBy::kNothing;
+  report.reason = decision.known || bySequence ? "" : verified.reason;
+  report.place = verified.bySequence;
+  if (!decision.known) {  // a sequence tells the place, and neither a pose nor a lesson
     if (verified.doubtful) run.robot.doubt();
     return decision;
   }

@@ -16,6 +16,8 @@ namespace {
 
 /// Matches of one thing are less spread than this share of all features of the view.
 constexpr double kOneThing = 0.5;
+/// A place met again in one drive has this share of the matches that the place just left has, at least.
+constexpr double kMetAgain = 0.5;
 /// Places looked at beside the one where the robot is: an image is one witness.
 constexpr std::size_t kEchoes = 1;
 
@@ -56,6 +58,7 @@ Verified OnePlaceStep::verify(Run& run, const Keyframe& image, Evidence evidence
   else if (isClosure(run, verified.accepted->place))
     linkAnchor(run, image, verified);
   if (fit_ == Fit::kTerrain) findEchoes(run, image, verified);
+  if (fit_ == Fit::kWay && !verified.accepted) verified.bySequence = bySequence(run, verified);
   return verified;
 }
 
@@ -140,6 +143,18 @@ bool OnePlaceStep::similar(Run& run, const Keyframe& image, Verified& verified, 
   return true;
 }
 
+/// Images that have too few matches each may say together where the robot is. The way it came must allow it,
+/// and no view verify elsewhere.
+base::PlaceId OnePlaceStep::bySequence(const Run& run, const Verified& verified) const {
+  const auto place = recogniser_->bySequence();
+  if (!place || !agreesWithMotion(run, *place)) return {};
+  const auto near = run.map.hopDistances(*place, run.params.belief.accept_hops);
+  const bool denied = std::any_of(verified.links.begin(), verified.links.end(), [&](const Link& link) {
+    return !near.contains(link.place) && strongEnough(link.match, run.params.recognise);
+  });
+  return denied ? base::PlaceId() : *place;
+}
+
 /// The graph may refuse a closure: then the image makes a place beside the last one.
 void OnePlaceStep::linkAnchor(Run& run, const Keyframe& image, Verified& verified) {
   const base::PlaceId anchor = run.robot.anchor();
@@ -216,12 +231,31 @@ bool OnePlaceStep::mayJoin(Run& run, const Keyframe& image, const Link& link) {
                       T_map_robot(run), 0.5 * run.params.place.spacing);
 }
 
+/// Without odometry nothing denies a closure to another storey that looks alike, before this one is mapped.
+/// But under the same light a place met again shows about as much of the image as the one just left does,
+/// and what has only its signs and doors in common shows less.
+bool OnePlaceStep::lessThanTheLast(Run& run, const Keyframe& image, const Link& link) {
+  const base::PlaceId anchor = run.robot.anchor();
+  if (fit_ != Fit::kTerrain || run.robot.metric() || !run.robot.frontier() || !anchor.valid()) return false;
+  if (!isClosure(run, link.place) || run.map.place(link.place).session != run.session) return false;
+  const PlaceMatch& last = recogniser_->match(run.map, image.features, anchor);
+  return static_cast<double>(link.match.matches.size()) <
+         kMetAgain * static_cast<double>(last.matches.size());
+}
+
 /// Motion has not led the robot there, and the place that looks most like the image among those far from
 /// there passes for it too: which of the two it is, only motion can tell. While mapping, two places that
 /// nothing has joined yet may be one.
 bool OnePlaceStep::ambiguous(Run& run, const Keyframe& image, const Link& link, Verified& verified,
                              types::FrameReport& report) {
   const double share = run.params.recognise.ambiguity;
+  if (share > 0 && lessThanTheLast(run, image, link)) {
+    report.rival = run.robot.anchor();
+    verified.reason = "ambiguous: place " + std::to_string(link.place.value) +
+                      " explains much less of the image than place " + std::to_string(report.rival.value) +
+                      ", which the robot has just left";
+    return true;
+  }
   if (share <= 0 || (run.robot.anchor().valid() && agreesWithMotion(run, link.place))) return false;
   auto rivals = recogniser_->mostSimilar(1, farFrom(run, link.place));
   if (rivals.empty()) return false;
@@ -233,6 +267,7 @@ bool OnePlaceStep::ambiguous(Run& run, const Keyframe& image, const Link& link, 
   if (!match.verified() || rival.inliers < share * static_cast<double>(link.match.matches.size()))
     return false;
   if (run.joined(link.place, rival.place) && onePose(run, link, {rival.place, match})) return false;
+  report.rival = rival.place;
   verified.reason = "ambiguous: places " + std::to_string(link.place.value) + " and " +
                     std::to_string(rival.place.value) + " both explain the image";
   return true;

@@ -55,8 +55,10 @@ class OnePlaceStep final : public VerifyStep {
   void beside(Run& run, const Keyframe& image, Verified& verified);
   void linkAnchor(Run& run, const Keyframe& image, Verified& verified);
   void findEchoes(Run& run, const Keyframe& image, Verified& verified);
+  base::PlaceId bySequence(const Run& run, const Verified& verified) const;
   bool accepts(Run& run, const Keyframe& image, Link& link, Verified& verified);
   bool mayJoin(Run& run, const Keyframe& image, const Link& link);
+  bool lessThanTheLast(Run& run, const Keyframe& image, const Link& link);
   bool ambiguous(Run& run, const Keyframe& image, const Link& link, Verified& verified,
                  types::FrameReport& report);
 

@@ -21,6 +21,14 @@ belief::BeliefParams paramsFor(Recogniser::Mode mode, const PipelineParams& para
 /// Half of the trust until the two channels are known to agree.
 constexpr double kFirstTrust = 0.5;
 
+// Edges that the robot may go along from one image to the next: what odometry says, up to so many, and one
+// more; without it as many as a camera that takes an image a place may skip.
+constexpr double kFarthest = 10;
+constexpr int kUnknownReach = 2;
+
+/// Deviates that the last image of a sequence has itself: what it does not show, those before do not prove.
+constexpr double kOwnSay = 1;
+
 constexpr std::size_t kLikely = 20;  // places where the robot may be that are looked at in any case,
 constexpr double kStandsOut = 2;     // those that are so many times as likely as the average
 
@@ -66,10 +74,12 @@ Recogniser::Recogniser(const PipelineParams& params, Mode mode, std::optional<St
       byFeatures_(filter_.params(), 1.0),
       byWhole_(wholeImageParams(params), kFirstTrust) {
   if (describer) wholeImage_.emplace(std::move(describer));
+  if (mode == Mode::kLocalisation && params_.sequence > 0) sequence_.emplace(params_.sequence);
   filter_.reset(0);
 }
 
 void Recogniser::restart() {
+  if (sequence_) sequence_->reset();
   filter_.reset(ids_.size());
   byFeatures_.reset();
   byWhole_.reset();
@@ -186,6 +196,7 @@ void Recogniser::predict(const std::optional<Travel>& travel) {
     hint.odometry = belief::OdometryStep{travel->step, travel->heading, spacing_};
   }
   filter_.predict(adjacency_, hint);
+  reach_ = hint.hops ? 1 + static_cast<int>(std::min(*hint.hops, kFarthest)) : kUnknownReach;
 }
 
 /// Where the robot is believed to be before it has looked: an index that misses these places loses a robot
@@ -236,7 +247,7 @@ std::vector<types::Hypothesis> Recogniser::weighPredicted(const std::vector<doub
   // Odometry tells whether the robot is on new ground; without it the image has to.
   std::optional<double> newPlace;
   if (mode_ == Mode::kMapping && !travelled) newPlace = params_.closure_similarity;
-  update(likelihoodWithout(excluded, scores, byFeatures_, newPlace), excluded, whole);
+  update(likelihoodWithout(excluded, scores, byFeatures_, newPlace), scores, excluded, whole);
 
   lastScores_ = scores;
   for (const auto id : excluded) lastScores_[static_cast<std::size_t>(indexOf(id))] = 0.0;
@@ -248,14 +259,17 @@ std::vector<types::Hypothesis> Recogniser::weighPredicted(const std::vector<doub
 }
 
 /// With both channels each learns how far it is trusted from what they believe together.
-void Recogniser::update(const belief::Likelihood& features, const std::set<base::PlaceId>& excluded,
-                        const std::vector<double>& whole) {
+void Recogniser::update(const belief::Likelihood& features, const std::vector<double>& scores,
+                        const std::set<base::PlaceId>& excluded, const std::vector<double>& whole) {
   filter_.update(features);
+  if (sequence_) addToSequence(scores, whole);
+  if (mode_ == Mode::kLocalisation) byFeatures_.watch(scores);
   if (whole.empty()) return;
   const belief::Likelihood likelihood = likelihoodWithout(excluded, whole, byWhole_);
   filter_.update(likelihood);
   byFeatures_.learn(features, filter_.posterior());
   byWhole_.learn(likelihood, filter_.posterior());
+  if (mode_ == Mode::kLocalisation) byWhole_.watch(whole);
 }
 
 types::Hypothesis Recogniser::hypothesis(std::size_t i) const {
@@ -297,6 +311,31 @@ belief::Likelihood Recogniser::likelihoodWithout(const std::set<base::PlaceId>& 
 
 double Recogniser::neighbourhoodMass(base::PlaceId place) const {
   return filter_.neighbourhoodMass(adjacency_, indexOf(place), filter_.params().accept_hops);
+}
+
+/// Each channel by its trust in this map at this hour.
+void Recogniser::addToSequence(const std::vector<double>& features, const std::vector<double>& whole) {
+  std::vector<double> sum = belief::standardised(byFeatures_.corrected(features), byFeatures_.params());
+  for (double& z : sum) z *= byFeatures_.trust();
+  if (!whole.empty()) {
+    const std::vector<double> z = belief::standardised(byWhole_.corrected(whole), byWhole_.params());
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += byWhole_.trust() * z[i];
+  }
+  sequence_->add(sum, adjacency_, reach_);
+}
+
+std::optional<base::PlaceId> Recogniser::bySequence() const {
+  const int best = filter_.best();
+  if (!sequence_ || !sequence_->ready() || best < 0) return std::nullopt;
+  const int around = filter_.params().accept_hops;
+  const belief::Sequence::Peak peak = sequence_->peak(adjacency_, around);
+  const bool standsOut = peak.log10Nfa <= params_.accept_log10_nfa && peak.lastImage >= kOwnSay;
+  const double share = params_.ambiguity > 0 ? params_.ambiguity : 1;
+  if (!standsOut || peak.rival > share * peak.deviates) return std::nullopt;
+  const bool believed =
+      filter_.neighbourhoodMass(adjacency_, best, around) >= filter_.params().accept_threshold;
+  if (!believed || belief::hopDistance(adjacency_, best, peak.place, around) < 0) return std::nullopt;
+  return ids_[static_cast<std::size_t>(best)];
 }
 
 double Recogniser::interpolatedPeak() const {

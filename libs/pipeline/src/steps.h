@@ -77,6 +77,7 @@ struct Verified {
   std::vector<base::PlaceId> tried;
   std::vector<Link> links;
   std::optional<Link> accepted;  ///< the place where the robot is, when one suffices
+  base::PlaceId bySequence{};    ///< none is accepted, but images before and this one together say where
   std::string reason;            ///< why none was accepted, in words, where verification knows
   bool doubtful = false;         ///< a place was not accepted because odometry contradicts it alone
   /// Places that the graph has no short way to and that the image shows beside the accepted one, or while

@@ -57,6 +57,13 @@ Outcome outcomeFrom(const std::string& name) {
   throw base::Error("unknown outcome '" + name + "' in a frame record");
 }
 
+types::AcceptedBy acceptedByFrom(const std::string& name) {
+  for (const auto by :
+       {types::AcceptedBy::kNothing, types::AcceptedBy::kGeometry, types::AcceptedBy::kSequence})
+    if (name == types::toString(by)) return by;
+  throw base::Error("unknown accepted_by '" + name + "' in a frame record");
+}
+
 Json memoryToJson(const types::MemoryChange& m) {
   return {{"rehearsed", m.rehearsed}, {"added", m.added},     {"pruned", m.pruned},
           {"promoted", m.promoted},   {"demoted", m.demoted}, {"long_term", m.longTerm},
@@ -104,10 +111,12 @@ FrameReport decode(const Json& j) {
   read(j, "stamp", r.stamp);
   read(j, "label", r.label);
   if (j.contains("outcome")) r.outcome = outcomeFrom(j.at("outcome").get<std::string>());
+  if (j.contains("accepted_by")) r.acceptedBy = acceptedByFrom(j.at("accepted_by").get<std::string>());
   read(j, "reason", r.reason);
   read(j, "features", r.features);
   r.place = idFromJson(j, "place");
   r.bestGuess = idFromJson(j, "best_guess");
+  r.rival = idFromJson(j, "rival");
   read(j, "best_guess_interpolated", r.bestGuessInterpolated);
   read(j, "new_place_probability", r.newPlaceProbability);
   if (const auto pose = j.find("pose"); pose != j.end() && !pose->is_null()) r.pose = poseFromJson(*pose);
@@ -161,6 +170,8 @@ std::string toJson(const FrameReport& r, bool withTimes) {
             {"best_guess", idToJson(r.bestGuess)},
             {"best_guess_interpolated", rounded(r.bestGuessInterpolated)},
             {"new_place_probability", rounded(r.newPlaceProbability)}};
+  if (r.acceptedBy != types::AcceptedBy::kNothing) j["accepted_by"] = types::toString(r.acceptedBy);
+  if (r.rival.valid()) j["rival"] = r.rival.value;
   if (r.pose) j["pose"] = poseToJson(*r.pose);
   j["hypotheses"] = Json::array();
   for (const auto& h : r.hypotheses)

@@ -31,4 +31,16 @@ const char* toString(Outcome outcome) {
   return "?";
 }
 
+const char* toString(AcceptedBy by) {
+  switch (by) {
+    case AcceptedBy::kNothing:
+      return "nothing";
+    case AcceptedBy::kGeometry:
+      return "geometry";
+    case AcceptedBy::kSequence:
+      return "sequence";
+  }
+  return "?";
+}
+
 }  // namespace engram::types

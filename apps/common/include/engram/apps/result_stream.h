@@ -25,7 +25,7 @@ struct StreamPose {
 ///     pose {x, y, z [m], heading_deg (null when unknown), and where FrameReport::pose is known the standard
 ///     deviations sigma_along, sigma_across [m], sigma_heading_deg} or null, belief [{place, probability}]
 ///     best first, new_place (probability), inliers (null when nothing was verified), latency_ms (null for a
-///     rawlog)
+///     rawlog), and accepted_by (geometry, sequence) where a place was accepted
 std::string streamLine(const types::FrameReport& report, const std::optional<StreamPose>& pose);
 
 /// Lines for other programs, on standard output or to all that connect to a Unix socket. A reader that is

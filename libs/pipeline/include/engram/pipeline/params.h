@@ -58,7 +58,8 @@ struct RecogniseParams {
   int accept_inliers = 20;       ///< verified matches that acceptance needs
   double accept_log10_nfa = -5;  ///< or matches that are so unlikely to be an accident
   double ambiguity =
-      0.8;  ///< a leap is refused when a far place has so many of its verified matches; 0: never
+      0.8;           ///< a leap is refused when a far place has so many of its verified matches; 0: never
+  int sequence = 0;  ///< images that together may place the robot where geometry is thin; 0: never
   int closure_inliers = 30;  ///< the same for a loop closure: K-15 saw no false one from 30 on
   /// So many verified matches need no belief (K-15, K-21); 0: belief always decides. 24: Gardens Point image
   /// by image; shown on Milford and in the simulated office.

@@ -4,6 +4,7 @@
 
 #include "engram/belief/bayes_filter.h"
 #include "engram/belief/channel.h"
+#include "engram/belief/sequence.h"
 #include "engram/map/topological_map.h"
 #include "engram/pipeline/dead_reckoning.h"
 #include "engram/pipeline/params.h"
@@ -79,6 +80,9 @@ class Recogniser {
   double newPlaceProbability() const { return filter_.posterior().newPlace; }
   /// Posterior mass of a place and the places within `accept_hops` edges.
   double neighbourhoodMass(base::PlaceId place) const;
+  /// Where this image and those before it together put the robot, when the belief agrees and no other place
+  /// comes near; none while mapping, and where `sequence` is 0.
+  std::optional<base::PlaceId> bySequence() const;
   /// Maximum of the posterior with sub-place resolution along the chain of places (F-E14); -1 on an empty
   /// map.
   double interpolatedPeak() const;
@@ -102,8 +106,9 @@ class Recogniser {
   std::vector<types::Hypothesis> weighPredicted(const std::vector<double>& scores, bool travelled,
                                                 const std::set<base::PlaceId>& excluded,
                                                 const std::vector<double>& whole);
-  void update(const belief::Likelihood& features, const std::set<base::PlaceId>& excluded,
-              const std::vector<double>& whole);
+  void update(const belief::Likelihood& features, const std::vector<double>& scores,
+              const std::set<base::PlaceId>& excluded, const std::vector<double>& whole);
+  void addToSequence(const std::vector<double>& features, const std::vector<double>& whole);
   types::Hypothesis hypothesis(std::size_t index) const;
   std::vector<std::size_t> likely() const;
   auto notOf(const std::set<base::PlaceId>& excluded) const {
@@ -130,6 +135,8 @@ class Recogniser {
   belief::Channel byFeatures_;
   std::optional<WholeImage> wholeImage_;  // none: features alone are evidence
   belief::Channel byWhole_;
+  std::optional<belief::Sequence> sequence_;  // none: each image speaks for itself
+  int reach_ = 0;                             // of the robot since the image before [edges]
   belief::Adjacency adjacency_;
   std::vector<double> lastScores_;               // of the last view; 0 for excluded places
   std::map<base::PlaceId, PlaceMatch> matches_;  // of the last view

@@ -12,6 +12,7 @@ namespace engram::store {
 ///
 ///     index, stamp [s], label, outcome (skipped|unusable|new_place|recognised|refused), reason, features,
 ///     place, best_guess (null when invalid), best_guess_interpolated, new_place_probability,
+///     accepted_by (geometry|sequence) where a place was accepted, rival where another explains it as well,
 ///     pose {x, y [m], heading [rad] in the map, sigma_along, sigma_across, sigma_heading} where it is known,
 ///     hypotheses [{place, similarity, posterior, inliers}], closure,
 ///     memory {rehearsed, added, pruned, promoted, demoted, long_term, short_term},

@@ -24,6 +24,15 @@ enum class Outcome : std::uint8_t {
 
 const char* toString(Outcome outcome);
 
+/// What an image was recognised by.
+enum class AcceptedBy : std::uint8_t {
+  kNothing,   ///< it was not
+  kGeometry,  ///< matches that geometry verified, of this image
+  kSequence,  ///< this image and those before it together; nothing is learnt from it, and it fixes no pose
+};
+
+const char* toString(AcceptedBy by);
+
 /// One answer of recognition.
 struct Hypothesis {
   base::PlaceId place;
@@ -61,10 +70,12 @@ struct FrameReport {
   double stamp = 0.0;       ///< [s]
   std::string label;
   Outcome outcome = Outcome::kSkipped;
-  std::string reason;  ///< why not, in words; empty when all went well
+  AcceptedBy acceptedBy = AcceptedBy::kNothing;  ///< places alone
+  std::string reason;                            ///< why not, in words; empty when all went well
   int features = 0;
   base::PlaceId place;      ///< the place accepted or made; invalid otherwise
   base::PlaceId bestGuess;  ///< maximum of the posterior, accepted or not; invalid on an empty map
+  base::PlaceId rival;      ///< the place that explains the image as well, when it was refused for that
   double bestGuessInterpolated =
       -1.0;  ///< sub-place peak along the map's chain of places (F-E14); -1 without one
   double newPlaceProbability = 0.0;
