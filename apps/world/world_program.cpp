@@ -39,7 +39,9 @@ std::string WorldProgram::examples() const {
 
 void WorldProgram::declareCommon(CLI::App& command) {
   command
-      .add_option("--preset", preset_, "Building: tiny, office, corridors, campus (streets), loops or rooms")
+      .add_option(
+          "--preset", preset_,
+          "Building: tiny, office, corridors, campus (streets), loops, rooms or tower (storeys alike)")
       ->capture_default_str();
   command.add_option("--plan", planFile_, "Building from a text plan instead of a preset")
       ->check(CLI::ExistingFile);

@@ -77,6 +77,7 @@ TEST(Plan, SaysWhatIsWrong) {
   EXPECT_THAT(problemOf("cell abc\n" + kRoute + kGrid), HasSubstr("p.txt:1: cell 'abc'"));
   EXPECT_THAT(problemOf("cell 0.5x\n" + kRoute + kGrid), HasSubstr("0.5x"));
   EXPECT_THAT(problemOf("celle 1\n" + kRoute + kGrid), HasSubstr("unknown key 'celle'"));
+  EXPECT_THAT(problemOf("storeys 7\n" + kRoute + kGrid), HasSubstr("not 7 storeys of equal width"));
   EXPECT_THAT(problemOf("roof thatched\n" + kRoute + kGrid), HasSubstr("roof 'thatched'"));
   EXPECT_THAT(problemOf(kRoute + "grid\n###\n#?#\n###\nend\n"), HasSubstr("unknown character '?'"));
   EXPECT_THAT(problemOf(kRoute + "grid\n###\n#..\n###\nend\n"), HasSubstr("touches the outside"));

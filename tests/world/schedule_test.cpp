@@ -8,7 +8,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <set>
+#include <vector>
 
 namespace engram::world {
 namespace {
@@ -27,6 +29,46 @@ TEST(Building, FillsAnOffice) {
   EXPECT_GE(office().doors().size(), 15u);
   for (std::size_t i = 0; i < office().furniture().size(); ++i)
     EXPECT_TRUE(office().fits(office().furniture()[i], office().furniture(), static_cast<int>(i))) << i;
+}
+
+// Storeys have the same walls, furniture and most posters at the same places; doors have numbers of their
+// own.
+TEST(Building, StoreysAreAlike) {
+  const Building tower(presetPlan("tower", 1), 1);
+  const Plan& plan = tower.plan();
+  ASSERT_EQ(plan.storeys, 5);
+  const auto storeyOf = [&](int cell) { return cell % plan.columns / plan.pitch(); };
+  const auto within = [&](int cell) { return cell - storeyOf(cell) * plan.pitch(); };
+  std::vector<int> spots(5), pieces(5);
+  std::map<int, std::set<std::uint32_t>> numbers;
+  for (std::size_t i = 0; i < tower.posterSpots().size(); ++i) {
+    const int cell = tower.posterSpots()[i].cell;
+    const auto model = static_cast<std::size_t>(tower.posterModels()[i]);
+    EXPECT_EQ(within(cell), within(tower.posterSpots()[model].cell)) << i;
+    EXPECT_EQ(storeyOf(tower.posterSpots()[model].cell), 2) << i;
+    ++spots[static_cast<std::size_t>(storeyOf(cell))];
+  }
+  for (const Furniture& f : tower.furniture())
+    ++pieces[static_cast<std::size_t>(storeyOf(tower.cellAt(f.centre.x(), f.centre.y())))];
+  for (const FixedSpot& f : tower.fixtures())
+    if (f.kind == Fixture::kDoorSign) numbers[within(f.spot.cell) * 4 + f.spot.side].insert(f.look);
+  for (std::size_t k = 1; k < 4; ++k) {  // those in between have a storey on either side
+    EXPECT_EQ(spots[k], spots[2]) << k;
+    EXPECT_EQ(pieces[k], pieces[2]) << k;
+  }
+  EXPECT_GE(spots[2], 10);
+  EXPECT_GE(pieces[2], 10);
+  for (const auto& [where, looks] : numbers) EXPECT_GE(looks.size(), 3u) << where;
+
+  const Appearance day = Schedule(tower, {}).session(1);
+  double same = 0, all = 0;
+  for (std::size_t i = 0; i < day.posters.size(); ++i) {
+    const auto model = static_cast<std::size_t>(tower.posterModels()[i]);
+    if (model == i) continue;
+    ++all;
+    same += day.posters[i] == day.posters[model];
+  }
+  EXPECT_NEAR(same / all, 2.0 / 3, 0.15);
 }
 
 // Each session replaces exactly the configured share of posters, and no more of anything than asked.

@@ -3,6 +3,7 @@
 #include "engram/world/building.h"
 
 #include <cmath>
+#include <numeric>
 #include <set>
 
 namespace engram::world {
@@ -65,6 +66,9 @@ Building::Building(const Plan& plan, std::uint64_t seed) : plan_(plan), seed_(se
   plan_.open ? buildFronts(rng.fork(4)) : screwFixtures(rng.fork(1));
   chooseSpots(rng.fork(2));
   furnish(rng.fork(3));
+  posterModels_.resize(posterSpots_.size());
+  std::iota(posterModels_.begin(), posterModels_.end(), 0);
+  if (plan_.storeys > 1) repeatStoreys();
 }
 
 int Building::cellAt(float x, float y) const {

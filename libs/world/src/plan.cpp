@@ -135,6 +135,10 @@ void checkRoute(const Plan& plan, const std::string& name) {
 }
 
 void check(const Plan& plan, const std::string& name) {
+  if (plan.columns % plan.storeys != 0)
+    fail(name, 0,
+         std::to_string(plan.columns) + " columns are not " + std::to_string(plan.storeys) +
+             " storeys of equal width; fill up the last one with #");
   checkCells(plan, name);
   checkRoute(plan, name);
 }
@@ -156,16 +160,18 @@ Plan parsePlan(const std::string& text, const std::string& name) {
       readGrid(name, in, line, plan);
     } else if (key == "route") {
       while (words >> value) plan.route.push_back(readPoint(name, line, value));
-    } else if (key == "name" || key == "cell" || key == "height" || key == "roof") {
+    } else if (key == "name" || key == "cell" || key == "height" || key == "roof" || key == "storeys") {
       if (!(words >> value)) fail(name, line, key + " has no value");
       if (key == "name") plan.name = value;
       if (key == "cell") plan.cell = readNumber(name, line, key, value, 0.2, 2.0);
       if (key == "height") plan.height = readNumber(name, line, key, value, 2.3, 15.0);
+      if (key == "storeys") plan.storeys = static_cast<int>(readNumber(name, line, key, value, 1, 50));
       if (key == "roof" && value != "flat" && value != "none")
         fail(name, line, "roof " + base::quoted(value) + " is neither flat nor none");
       if (key == "roof") plan.open = value == "none";
     } else {
-      fail(name, line, "unknown key " + base::quoted(key) + "; use name, cell, height, roof, route or grid");
+      fail(name, line,
+           "unknown key " + base::quoted(key) + "; use name, cell, height, roof, storeys, route or grid");
     }
   }
   if (plan.rows == 0) fail(name, 0, "no grid; see the description of the plan format");
@@ -179,6 +185,7 @@ std::string Plan::toText() const {
   std::ostringstream out;
   out << "name " << name << "\ncell " << cell << "\nheight " << height << "\n";
   if (open) out << "roof none\n";
+  if (storeys > 1) out << "storeys " << storeys << "\n";
   for (const auto& p : route) out << "route " << p.x() << "," << p.y() << "\n";
   out << "grid\n";
   for (int y = rows - 1; y >= 0; --y) {

@@ -231,10 +231,43 @@ Plan roomsPlan() {
   return d.plan;
 }
 
+// Five storeys, each a ring of corridors round two rooms, with stairs from one to the next. The tour goes
+// round each on the way up, and through its other half on the way down.
+Plan towerPlan() {
+  constexpr int kStoreys = 5, kPitch = 28, kRight = 21;
+  constexpr double kWest = 2.5, kEast = 19.5, kSouth = 3.5, kNorth = 14.5;  // lanes of a ring
+  Draughtsman d("tower", kStoreys * kPitch, 18);
+  d.plan.storeys = kStoreys;
+  for (int k = 0; k < kStoreys; ++k) {
+    const int x = k * kPitch;
+    d.fill(x, 1, x + kPitch - 1, 16, '#');
+    d.fill(x + 1, 2, x + 20, 4, '.'), d.fill(x + 1, 13, x + 20, 15, '.');
+    d.fill(x + 1, 5, x + 3, 12, '.'), d.fill(x + 18, 5, x + 20, 12, '.');
+    d.fill(x + 5, 6, x + 10, 11, 'a'), d.fill(x + 12, 6, x + 16, 11, 'b');
+    d.doorH(x + 7, 5), d.doorH(x + 13, 12);
+    windowsH(d, x + 1, x + 20, 1, 2, 6), windowsH(d, x + 1, x + 20, 16, 2, 6);
+    if (k > 0) d.fill(x, 2, x, 4, '+');
+    if (k + 1 == kStoreys) continue;
+    d.fill(x + kRight, 2, x + kRight, 4, '+');
+    d.fill(x + kRight + 1, 2, x + kPitch - 1, 4, 's');
+  }
+  const auto visit = [&](int k, double x, double y) { d.visit(k * kPitch + x, y); };
+  for (int k = 0; k < kStoreys; ++k) {
+    visit(k, kWest, kSouth), visit(k, kEast, kSouth), visit(k, kEast, kNorth), visit(k, kWest, kNorth);
+    visit(k, kWest, kSouth);
+  }
+  for (int k = kStoreys - 2; k >= 0; --k) {
+    visit(k, kEast, kSouth), visit(k, kEast, kNorth), visit(k, kWest, kNorth);
+    if (k > 0) visit(k, kWest, kSouth);
+  }
+  return d.plan;
+}
+
 }  // namespace
 
 const std::vector<std::string>& presetNames() {
-  static const std::vector<std::string> names{"tiny", "office", "corridors", "campus", "loops", "rooms"};
+  static const std::vector<std::string> names{"tiny",  "office", "corridors", "campus",
+                                              "loops", "rooms",  "tower"};
   return names;
 }
 
@@ -253,8 +286,11 @@ Plan presetPlan(const std::string& preset, std::uint64_t seed) {
     plan = loopsPlan(rng);
   else if (preset == "rooms")
     plan = roomsPlan();
+  else if (preset == "tower")
+    plan = towerPlan();
   else
-    throw base::Error("unknown preset '" + preset + "'; use tiny, office, corridors, campus, loops or rooms");
+    throw base::Error("unknown preset '" + preset +
+                      "'; use tiny, office, corridors, campus, loops, rooms or tower");
   return parsePlan(plan.toText(), "preset " + preset);  // holds the generator to the rules of the format
 }
 

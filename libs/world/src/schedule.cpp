@@ -18,6 +18,7 @@ namespace {
 constexpr double kFirstDay = 1740960000;  // 2025-03-03T00:00:00Z
 constexpr int kFirstDayOfYear = 61;
 constexpr double kLatitude = 42 * std::numbers::pi / 180;
+constexpr std::uint32_t kOwnPosters = 3;      // one in so many is that of the storey; the others hang in all
 constexpr std::uint32_t kPosterDesigns = 60;  // few enough that some hang in several places
 
 // n different numbers below `size`, in random order.
@@ -161,6 +162,10 @@ Appearance Schedule::opening() const {
   a.furniture = building_.furniture();
   for (std::size_t i = 0; i < building_.posterSpots().size(); ++i)
     a.posters.push_back(rng.below(kPosterDesigns));
+  for (std::size_t i = 0; i < a.posters.size(); ++i) {
+    const auto model = static_cast<std::size_t>(building_.posterModels()[i]);
+    if (model != i && rng.below(kOwnPosters) > 0) a.posters[i] = a.posters[model];
+  }
   for (const auto& door : building_.doors()) a.doorOpen.push_back(door.onRoute || rng.uniform() < 0.35);
   setTime(a, rng.fork(1));
   return a;

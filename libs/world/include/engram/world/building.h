@@ -85,6 +85,9 @@ class Building {
   const std::vector<Door>& doors() const { return doors_; }
   const std::vector<Lamp>& lamps() const { return lamps_; }
   const std::vector<WallSpot>& posterSpots() const { return posterSpots_; }
+  /// The spot at the same place of the storey that all others are like, for each of posterSpots(); without
+  /// storeys each is its own.
+  const std::vector<int>& posterModels() const { return posterModels_; }
   const std::vector<FixedSpot>& fixtures() const { return fixtures_; }
   /// Number that tells houses along a street apart: of the house that stands beside a floor cell in direction
   /// `side`. Without an order; the same for a whole front.
@@ -110,6 +113,7 @@ class Building {
   void furnish(base::Rng rng);
   bool tryWallSpot(int cell, int side, float offset, float width, float z0, float z1, WallSpot& spot) const;
   bool isTaken(const WallSpot& spot) const;
+  void repeatStoreys();
   float distanceToRoute(const Eigen::Vector2f& low, const Eigen::Vector2f& high) const;
 
   Plan plan_;
@@ -119,6 +123,7 @@ class Building {
   std::vector<Door> doors_;
   std::vector<Lamp> lamps_;
   std::vector<WallSpot> posterSpots_, taken_;
+  std::vector<int> posterModels_;
   std::vector<FixedSpot> fixtures_;
   std::vector<Furniture> furniture_;
 };

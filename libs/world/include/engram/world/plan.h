@@ -18,7 +18,8 @@ namespace engram::world {
 ///     cell   0.5            side of a grid cell [m]
 ///     height 2.7            floor to ceiling [m]
 ///     roof   none           streets under the sky, `height` is that of the houses; default: flat
-///     route  1.5,1.5 6,1.5 6,4 1.5,4     closed tour through these points [m]; may be repeated to go on
+///     storeys 5             that look alike, laid out side by side along x: an equal share of the columns
+///     each route  1.5,1.5 6,1.5 6,4 1.5,4     closed tour through these points [m]; may be repeated to go on
 ///     grid                  first line is the far side (largest y), first character is x = 0
 ///     ################
 ///     #......+aaaaaaa=
@@ -33,6 +34,7 @@ struct Plan {
   double cell = 0.5;    ///< [m]
   double height = 2.7;  ///< [m]
   bool open = false;    ///< no roof: streets between houses
+  int storeys = 1;      ///< side by side along x, alike but for door numbers and some posters
   int columns = 0, rows = 0;
   std::vector<char> cells;             ///< rows x columns, row 0 at y = 0
   std::vector<Eigen::Vector2d> route;  ///< [m]; the tour returns from the last to the first
@@ -41,6 +43,8 @@ struct Plan {
   char at(int column, int row) const {
     return column < 0 || row < 0 || column >= columns || row >= rows ? ' ' : cells[row * columns + column];
   }
+  /// Columns from a storey to the next.
+  int pitch() const { return columns / storeys; }
   double width() const { return columns * cell; }
   double depth() const { return rows * cell; }
   std::string toText() const;
@@ -55,8 +59,9 @@ Plan loadPlan(const std::string& path);
 
 /// `tiny` (one corridor and a room in a loop of 20 m), `office` (a corridor loop, 15 rooms, tour of about 80
 /// m), `corridors` (a ladder of self-similar corridors), `campus` (streets under the sky, tour of about 145
-/// m) or `loops` (a small loop in a room, then a long one in a corridor, about 100 m). The seed varies the
-/// sizes of rooms and the places of doors.
+/// m), `loops` (a small loop in a room, then a long one in a corridor, about 100 m), `rooms` (two and a
+/// corridor between them) or `tower` (five storeys alike, joined by stairs, up and down again, about 290 m).
+/// The seed varies the sizes of rooms and the places of doors.
 Plan presetPlan(const std::string& preset, std::uint64_t seed);
 const std::vector<std::string>& presetNames();
 
