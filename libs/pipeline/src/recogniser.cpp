@@ -249,6 +249,10 @@ std::vector<types::Hypothesis> Recogniser::weighPredicted(const std::vector<doub
   std::optional<double> newPlace;
   if (mode_ == Mode::kMapping && !travelled) newPlace = params_.closure_similarity;
   update(likelihoodWithout(excluded, scores, byFeatures_, newPlace), excluded, whole);
+  if (mode_ == Mode::kLocalisation) {
+    byFeatures_.watch(scores);
+    if (!whole.empty()) byWhole_.watch(whole);
+  }
 
   lastScores_ = scores;
   for (const auto id : excluded) lastScores_[static_cast<std::size_t>(indexOf(id))] = 0.0;

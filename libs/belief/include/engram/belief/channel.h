@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace engram::belief {
 
@@ -26,7 +27,15 @@ class Channel {
   /// @param given what likelihood() said of this image. @param after the belief that weighed it
   void learn(const Likelihood& given, const Belief& after);
 
-  /// What was learnt is forgotten.
+  /// A place that stands out of most images stands out of none: at night one street lamp on a map made by day
+  /// may look like everything. Each place's usual deviates are learnt as their median is, from images that
+  /// differ: a robot that stands teaches nothing. The likelihoods of the papers know of no such thing.
+  /// @param similarities of one image, one a place
+  void watch(std::span<const double> similarities);
+  /// The same similarities without what places have of every image.
+  std::vector<double> corrected(std::span<const double> similarities) const;
+
+  /// How far it is trusted is forgotten. What places usually show stays: it is of the hour, not of the robot.
   void reset() { trust_ = first_; }
 
   double trust() const { return trust_; }
@@ -35,6 +44,8 @@ class Channel {
  private:
   BeliefParams params_;
   double first_, trust_;
+  std::vector<double> usual_;  // deviates of each place in most images; none before watch()
+  std::vector<double> last_;   // of the last image
 };
 
 }  // namespace engram::belief
