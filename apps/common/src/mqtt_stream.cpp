@@ -113,9 +113,14 @@ class MqttStream::Impl {
     if (connected_) {
       publish("state", state("ended"), 1, true);
       const auto end = std::chrono::steady_clock::now() + kLastWords;
-      while (connected_ && published_ < sent_ && std::chrono::steady_clock::now() < end)
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      const auto waitWhile = [&](const auto& holds) {
+        while (holds() && std::chrono::steady_clock::now() < end)
+          std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      };
+      waitWhile([&] { return connected_ && published_ < sent_; });
       mosquitto_disconnect(client_.get());
+      // Without this the thread may end before it has said good-bye, and the broker takes the robot for lost.
+      waitWhile([&] { return connected_.load(); });
     }
     mosquitto_loop_stop(client_.get(), true);
   }
@@ -165,10 +170,10 @@ class MqttStream::Impl {
       return;
     }
     sent_ = published_.load();
-    connected_ = true;
     publish("state", state("running"), 1, true);
     const std::lock_guard lock(mutex_);
     if (!lastPose_.empty()) publish("pose", lastPose_, 0, true);
+    connected_ = true;  // last: "ended" must not get ahead of "running"
   }
   void onDisconnect() {
     // What was on its way is lost with the connection.

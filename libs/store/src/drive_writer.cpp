@@ -199,7 +199,12 @@ void DriveWriter::end(const map::TopologicalMap& map, bool whole) {
 }
 
 void DriveWriter::keep(std::span<const map::DerivedRow> rows) {
-  if (file_ && !next_) file_->keep(rows);
+  if (!file_ || next_) return;
+  try {
+    file_->keep(rows);
+  } catch (const ServerAway&) {
+    // The map is whole without them.
+  }
 }
 
 }  // namespace engram::store
