@@ -333,17 +333,29 @@ TEST_F(ToursTest, QuickRunWritesWholeFigures) {
   }
   EXPECT_EQ(methods,
             (std::set<std::string>{"multi_store_2_8", "multi_store_3_8", "fsh", "static", "replace"}));
-  // The share under 35 counted once more from the single images.
+  // Every share counted once more from the single images.
   for (const auto& f : json.at("tours")) {
     const ToursRun run = readToursRun(path("one/runs/" + f.at("method").get<std::string>() + ".json"));
-    double images = 0, few = 0, matched = 0;
+    const auto way = [&](double from, double to) {
+      return to < from ? to - from + run.tourLength : to - from;
+    };
+    double images = 0, failed = 0, few = 0, matched = 0;
     for (const TourRecord& tour : run.tours)
       for (const TourQuery& q : tour.queries) {
+        double passed = 1e9, next = 1e9;  // way from the place behind, and to the one ahead
+        int behind = -1, ahead = -1;
+        for (std::size_t p = 0; p < run.placeArcs.size(); ++p) {
+          const double since = way(run.placeArcs[p], q.arc), until = way(q.arc, run.placeArcs[p]);
+          if (since < passed) passed = since, behind = static_cast<int>(p);
+          if (until < next) next = until, ahead = static_cast<int>(p);
+        }
         ++images;
+        failed += q.winner != behind && q.winner != ahead;
         few += q.matched < 35;
         matched += q.matched;
       }
     EXPECT_EQ(f.at("queries").get<double>(), images);
+    EXPECT_NEAR(f.at("failure_rate").get<double>(), failed / images, 1e-9);
     EXPECT_NEAR(f.at("share_under_35").get<double>(), few / images, 1e-9);
     EXPECT_NEAR(f.at("mean_matched").get<double>(), matched / images, 1e-9);
   }
