@@ -13,6 +13,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -65,6 +66,24 @@ TEST_F(SharingTest, ASecondWriterIsRefusedAtItsStart) {
 }
 
 /// A lock that outlived its process would keep the robot out for ever.
+// Two programs that start within a millisecond: the second asks before the first has signed.
+TEST_F(SharingTest, AHolderThatHasNotSignedYetIsNamedAllTheSame) {
+  const int holder = ::open(path("a.engram-lock").c_str(), O_RDWR | O_CREAT, 0600);
+  ASSERT_GE(holder, 0);
+  struct flock whole {};
+  whole.l_type = F_WRLCK;
+  whole.l_whence = SEEK_SET;
+  ASSERT_EQ(fcntl(holder, F_OFD_SETLK, &whole), 0);
+  std::thread signs([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    EXPECT_EQ(write(holder, "process 4711\n", 13), 13);
+  });
+  EXPECT_THAT(messageOf([&] { WriterLock lock(path("a.engram")); }),
+              HasSubstr("is being written by process 4711"));
+  signs.join();
+  ::close(holder);
+}
+
 TEST_F(SharingTest, TheLockDiesWithItsProcess) {
   const std::string name = path("a.engram");
   int ready[2];

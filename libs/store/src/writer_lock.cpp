@@ -5,11 +5,13 @@
 #include "engram/base/error.h"
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <ctime>
 #include <fcntl.h>
 #include <filesystem>
 #include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
 #include <utility>
 
@@ -38,10 +40,15 @@ std::string signature() {
 }
 
 std::string readSignature(int descriptor) {
-  char text[512];
-  const auto n = pread(descriptor, text, sizeof text, 0);
-  std::string line(text, n > 0 ? static_cast<std::size_t>(n) : 0);
-  std::erase_if(line, [](unsigned char c) { return c < 0x20 || c > 0x7e; });
+  std::string line;
+  // A holder takes the lock first and signs then.
+  for (int tries = 0; line.empty() && tries < 20; ++tries) {
+    if (tries > 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    char text[512];
+    const auto n = pread(descriptor, text, sizeof text, 0);
+    line.assign(text, n > 0 ? static_cast<std::size_t>(n) : 0);
+    std::erase_if(line, [](unsigned char c) { return c < 0x20 || c > 0x7e; });
+  }
   return line.empty() ? "another program" : line;
 }
 
